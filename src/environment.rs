@@ -1,0 +1,13 @@
+//! What a plant senses: everything that stands in its light or its way, and the cube maps that look at it.
+//!
+//! The environment knows capsules (wood), leaf patches, solids, lamps, sky, sun and ground; it never sees a
+//! mesh. A [`Scene`] is plain data gathered once a step. [`CubeMap`](cube_map::CubeMap)s rendered in it at
+//! [`Probe`](probe::Probe)s give every bud and leaf its light and space (`LK-13`).
+
+pub mod probe;
+pub mod scene;
+
+pub use scene::{
+    Capsule, Lamp, LeafPatch, Scene, Sky, SkyGradient, Solid, SolidShape, StandingLamp, StandingSolid, Sun,
+    SunLight,
+};

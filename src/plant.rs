@@ -1,0 +1,48 @@
+//! What a plant is: organs as entities, who grew from whom, the energy they share, and the
+//! [`Snapshot`] everything else reads.
+
+mod energy;
+mod identity;
+mod organ;
+pub mod pose;
+mod roster;
+mod shed;
+mod snapshot;
+
+pub use energy::{EnergyLedger, EnergyStore};
+pub use identity::{Bears, Cause, Fallen, GrowsFrom, GrowthSpan, Identity, Lineage, OrganShed, Tombstone};
+pub use organ::{
+    Allotment, ApicalBud, Attachment, BranchOrder, EnergyFlow, Exposure, GrowthTarget, Internode, LateralBud,
+    LateralBudState, Leaf, LeafState, Node, OrganKind, Pose,
+};
+pub use roster::{NO_PARENT, Roster};
+pub use shed::{PlantGone, remove_plant, shed};
+pub use snapshot::{OrganState, PlantRecord, Snapshot};
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+
+use crate::species::Species;
+
+/// A plant: its seed and its root (`LK-9`). Spawn one and it germinates in the next growth step.
+///
+/// Stands under any [`Transform`]; despawning it by any means removes all it bears.
+#[derive(Component, Debug, Clone, Reflect)]
+#[reflect(Component)]
+#[require(Transform, EnergyStore, EnergyLedger)]
+#[component(on_remove = shed::plant_removed)]
+pub struct Plant {
+    /// The kind of plant it is.
+    #[reflect(ignore)]
+    pub species: Arc<Species>,
+    /// Seed of every random draw it makes.
+    pub seed: u64,
+}
+
+impl Plant {
+    /// A plant of a species, as a seed.
+    pub fn new(species: impl Into<Arc<Species>>, seed: u64) -> Self {
+        Self { species: species.into(), seed }
+    }
+}

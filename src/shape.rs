@@ -1,0 +1,3 @@
+//! Geometry from a [`Snapshot`](crate::plant::Snapshot): branch tubes, leaf surfaces, no rendering.
+
+pub mod outline;

@@ -1,0 +1,206 @@
+//! The kinds of plant: one table of parameters a species is made of.
+//!
+//! [`Species`] is generated from that table, and so are its defaults, its validation, `burgeon describe` and
+//! `--set`. The defaults are those of `lam_king`: the paper's constants alone (`LK-16`).
+
+pub mod parameter;
+
+use bevy::prelude::*;
+
+use crate::shape::outline::LeafOutline;
+use parameter::{ByOrder, Color, Range, parameters};
+
+/// How a plant shares its surplus among its buds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Reflect, serde::Serialize, serde::Deserialize)]
+pub enum Allocation {
+    /// To leaves, then buds, in order of exposure until it is gone (`LK-12`).
+    #[default]
+    ByExposure,
+    /// By vigour that flows from the base and splits at every fork (Borchert & Honda; Palubicki 2009).
+    ByVigour,
+}
+
+/// Which reading of a cube map counts as light (`LK-13`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Reflect, serde::Serialize, serde::Deserialize)]
+pub enum LightReading {
+    /// The share of pixels that show sky or a lamp: the paper's.
+    #[default]
+    Share,
+    /// Radiance x solid angle over that of a full open sky, lamps and sun by shadow rays.
+    Radiance,
+}
+
+parameters! {
+    /// The parameters of a kind of plant.
+    pub struct Species {
+        // Form
+        /// Angle at which a side axis leaves its parent stem.
+        branching_angle_deg: f32 = 50.0, "deg", Range::real(0.0, 180.0);
+        /// Branching angle by order of the parent axis; empty: the one angle everywhere.
+        branching_angles_deg: ByOrder = ByOrder::none(), "deg", Range::real(0.0, 180.0);
+        /// Widest turn of a bud in one step: the half angle of the cone it searches.
+        bending_angle_deg: f32 = 40.0, "deg", Range::real(0.0, 180.0);
+        /// Angle about the stem from one leaf to the next.
+        phyllotaxis_deg: f32 = 137.5, "deg", Range::real(0.0, 360.0);
+        /// Length grown between two nodes.
+        node_spacing_m: f32 = 0.2, "m", Range::real(0.001, 10.0);
+        /// Longest straight segment; a longer node spacing is made of several.
+        internode_m: f32 = 0.2, "m", Range::real(0.001, 10.0);
+        /// Longest growth of a bud in one step, at full energy.
+        extension_m: f32 = 0.2, "m", Range::real(0.001, 10.0);
+        /// Leaves formed at a node.
+        leaves_per_node: u32 = 3, "", Range::whole(0, 12);
+        /// Lateral buds formed at a node.
+        lateral_buds_per_node: u32 = 0, "", Range::whole(0, 12);
+        /// Apical buds formed at a node, besides the one that goes on if the axis continues.
+        apical_buds_per_node: u32 = 3, "", Range::whole(0, 12);
+        /// Whether the bud that forms a node goes on as the same axis; if not, it ends in its node's buds.
+        axis_continues: bool = false, "", Range::any();
+        /// Highest branch order; axes of this order bear no buds.
+        max_order: u32 = 24, "", Range::whole(0, 255);
+
+        // Leaves
+        /// Length of the largest leaf.
+        leaf_length_m: f32 = 0.12, "m", Range::real(0.001, 10.0);
+        /// Width of the largest leaf.
+        leaf_width_m: f32 = 0.06, "m", Range::real(0.001, 10.0);
+        /// Outline of the blade.
+        leaf_outline: LeafOutline = LeafOutline::Elliptic, "", Range::any();
+        /// Blades a leaf organ stands for, fanned about its stalk; a tall tree cannot carry every leaf.
+        leaf_cluster: u32 = 1, "", Range::whole(1, 64);
+        /// Angle of a leaf to its stem.
+        leaf_angle_deg: f32 = 60.0, "deg", Range::real(0.0, 180.0);
+        /// Life of a leaf; 0: until it is shed.
+        leaf_life_steps: u32 = 0, "steps", Range::whole(0, 10_000);
+        /// Largest part of a leaf's final size grown in one step.
+        leaf_growth: f32 = 1.0, "1/step", Range::real(0.01, 1.0);
+
+        // Buds
+        /// Dormancy of a new lateral bud.
+        dormancy_steps: u32 = 0, "steps", Range::whole(0, 10_000);
+        /// Light below which a lateral bud's dormancy stands still.
+        dormancy_light: f32 = 0.0, "", Range::real(0.0, 1.0);
+        /// Energy allotted below which a lateral bud's dormancy stands still.
+        dormancy_energy: f32 = 0.0, "energy", Range::real(0.0, 1.0e6);
+        /// Steps a bud waits for enough light and energy before it dies; 0: for ever.
+        patience_steps: u32 = 0, "steps", Range::whole(0, 10_000);
+        /// Acrotony: demand of a bud at the base of its growth unit relative to one at the tip.
+        acrotony_base: f32 = 1.0, "", Range::real(0.0, 1.0);
+        /// Acrotony: power at which demand rises from base to tip.
+        acrotony_power: f32 = 1.0, "", Range::real(0.0, 10.0);
+        /// Chance a step that the terminal bud of a grown axis dies, by order (sympodial growth).
+        terminal_death: ByOrder = ByOrder::all(0.0), "", Range::real(0.0, 1.0);
+        /// Angle between the two shoots that follow a dead terminal bud and its axis.
+        fork_angle_deg: f32 = 33.0, "deg", Range::real(0.0, 180.0);
+
+        // Choosing where to grow
+        /// Which reading of a cube map counts as light.
+        light_reading: LightReading = LightReading::Share, "", Range::any();
+        /// Weight of light in a candidate's fitness.
+        weight_light: f32 = 1.0, "", Range::real(0.0, 100.0);
+        /// Weight of space in a candidate's fitness.
+        weight_space: f32 = 1.0, "", Range::real(0.0, 100.0);
+        /// Weight of the present heading in a candidate's fitness.
+        weight_heading: f32 = 0.05, "", Range::real(0.0, 100.0);
+        /// Weight of the set-point angle in a candidate's fitness, by order.
+        weight_set_point: ByOrder = ByOrder::all(0.0), "", Range::real(0.0, 100.0);
+        /// Set-point angle to the vertical by order: 0 up, 90 level, 180 down.
+        set_point_deg: ByOrder = ByOrder::all(0.0), "deg", Range::real(0.0, 180.0);
+        /// Positions a bud compares, the straight one included.
+        candidates: u32 = 17, "", Range::whole(1, 256);
+        /// Whether light and space are stretched to 0..1 over the candidates before they are weighed.
+        rescale_fitness: bool = true, "", Range::any();
+        /// Distance beyond which free space no longer counts.
+        space_range_m: f32 = 1.0, "m", Range::real(0.01, 1000.0);
+        /// Random crookedness of a new shoot, standard deviation.
+        wander_deg: f32 = 0.0, "deg", Range::real(0.0, 90.0);
+
+        // Energy
+        /// How surplus energy is shared.
+        allocation: Allocation = Allocation::ByExposure, "", Range::any();
+        /// Energy in the seed.
+        seed_energy: f32 = 12.0, "energy", Range::real(0.0, 1.0e6);
+        /// Share of the store released for growth each step.
+        store_release: f32 = 0.35, "1/step", Range::real(0.0, 1.0);
+        /// Energy a full-grown leaf earns in a step in full light.
+        leaf_income: f32 = 1.0, "energy/step", Range::real(0.0, 1000.0);
+        /// Curvature of income against light: 0 proportional, larger saturates earlier, `(1+k)L/(L+k)` with k = 1/this.
+        light_saturation: f32 = 0.0, "", Range::real(0.0, 100.0);
+        /// Share of the day the stomata are open.
+        stomata_open: f32 = 1.0, "", Range::real(0.0, 1.0);
+        /// Energy a full-grown leaf uses in a step.
+        leaf_upkeep: f32 = 0.15, "energy/step", Range::real(0.0, 1000.0);
+        /// Energy an apical bud uses in a step.
+        bud_upkeep: f32 = 0.05, "energy/step", Range::real(0.0, 1000.0);
+        /// Energy living wood uses in a step.
+        wood_upkeep: f32 = 0.0, "energy/m3/step", Range::real(0.0, 1.0e9);
+        /// Energy to grow a leaf to full size.
+        leaf_cost: f32 = 0.5, "energy", Range::real(0.001, 1.0e6);
+        /// Energy to grow a metre of shoot.
+        shoot_cost: f32 = 5.0, "energy/m", Range::real(0.001, 1.0e6);
+        /// Energy to lay down wood.
+        wood_cost: f32 = 0.0, "energy/m3", Range::real(0.0, 1.0e9);
+        /// Share of the surplus kept for wood before shoots are fed.
+        wood_share: f32 = 0.0, "", Range::real(0.0, 1.0);
+        /// Largest share of the organs shed in one step for a deficit.
+        shed_share: f32 = 0.2, "", Range::real(0.0, 1.0);
+
+        // Vigour (allocation ByVigour)
+        /// Apical control by order of the main axis: above 0.5 favours it over its laterals.
+        apical_control: ByOrder = ByOrder::all(0.5), "", Range::real(0.0, 1.0);
+        /// Change of apical control each step of the plant's age.
+        apical_control_ageing: f32 = 0.0, "1/step", Range::real(-1.0, 1.0);
+        /// Apical control does not fall below this with age.
+        apical_control_least: f32 = 0.0, "", Range::real(0.0, 1.0);
+        /// Most internodes a bud grows in one step, by order.
+        flush_internodes: ByOrder = ByOrder::all(4.0), "", Range::real(0.0, 100.0);
+        /// Vigour (in internodes) below which a bud stays dormant.
+        vigour_short: f32 = 0.25, "internodes", Range::real(0.0, 1.0);
+        /// Length of the internode of a short shoot relative to a full one.
+        short_internode: f32 = 0.12, "", Range::real(0.001, 1.0);
+        /// Internodes a seedling grows a step at least, while it is young.
+        seedling_vigour: f32 = 0.0, "internodes", Range::real(0.0, 1000.0);
+        /// How long a plant counts as a seedling.
+        seedling_steps: u32 = 0, "steps", Range::whole(0, 10_000);
+        /// Income per living node below which a side axis is poor.
+        prune_income: f32 = 0.0, "energy/step", Range::real(0.0, 1000.0);
+        /// Steps a side axis may be poor before it is shed; 0: never shed.
+        prune_patience: u32 = 0, "steps", Range::whole(0, 10_000);
+
+        // Wood
+        /// Pipe exponent: radius^n of a stem is the sum of radius^n of what it bears.
+        pipe_exponent: f32 = 2.2, "", Range::real(1.0, 5.0);
+        /// Radius of a stem that bears nothing yet.
+        twig_radius_m: f32 = 0.006, "m", Range::real(0.0001, 1.0);
+        /// Turn of a stem towards the ground a step, per metre of lever and radius^-1: elastic sag that sets as wood.
+        sag: f32 = 0.0, "", Range::real(0.0, 10.0);
+
+        // Steering
+        /// Share of the sensed error corrected at each sub-step (Streit's kappa).
+        steering_gain: f32 = 1.0, "", Range::real(0.0, 10.0);
+        /// Sub-steps until a correction takes effect.
+        steering_lag: u32 = 0, "sub-steps", Range::whole(0, 30);
+
+        // Calendar
+        /// Growth steps in a year.
+        steps_per_year: u32 = 1, "1/year", Range::whole(1, 366);
+
+        // Looks
+        /// Colour of bark, sRGB.
+        bark_color: Color = Color::hex(0x6B6155), "", Range::real(0.0, 1.0);
+        /// Colour of leaves, sRGB.
+        leaf_color: Color = Color::hex(0x4A7A28), "", Range::real(0.0, 1.0);
+    }
+}
+
+impl Species {
+    /// Branching angle of a side axis of a parent of this order, radians.
+    pub fn branching_angle(&self, parent_order: u32) -> f32 {
+        self.branching_angles_deg.at(parent_order).unwrap_or(self.branching_angle_deg).to_radians()
+    }
+
+    /// Area of the largest leaf organ, all its blades together, square metres.
+    pub fn leaf_area(&self) -> f32 {
+        self.leaf_length_m * self.leaf_width_m * self.leaf_outline.fill() * self.leaf_cluster as f32
+    }
+}
