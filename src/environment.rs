@@ -4,9 +4,11 @@
 //! mesh. A [`Scene`] is plain data gathered once a step. [`CubeMap`](cube_map::CubeMap)s rendered in it at
 //! [`Probe`](probe::Probe)s give every bud and leaf its light and space (`LK-13`).
 
+pub mod gather;
 pub mod probe;
 pub mod scene;
 
+pub use gather::add_plants;
 pub use scene::{
     Capsule, Lamp, LeafPatch, Scene, Sky, SkyGradient, Solid, SolidShape, StandingLamp, StandingSolid, Sun,
     SunLight,
