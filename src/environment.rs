@@ -7,6 +7,7 @@
 pub mod gather;
 pub mod probe;
 pub mod scene;
+pub mod trace;
 
 pub use gather::add_plants;
 pub use scene::{
