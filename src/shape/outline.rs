@@ -67,7 +67,7 @@ impl LeafOutline {
     /// The first is the base; the last is the tip, or short of it where the blade ends blunt.
     pub fn stations(self) -> &'static [f32] {
         match self {
-            Self::Elliptic => &[0.0, 0.06, 0.25, 0.5, 0.75, 0.94, 1.0],
+            Self::Elliptic => &[0.0, 0.1, 0.35, 0.65, 0.9, 1.0],
             Self::Ovate => &[0.0, 0.05, 0.18, 0.38, 0.65, 1.0],
             // Lobe tops and the sinuses between them.
             Self::Lobed => &[0.0, 0.35, 0.444_444, 0.57, 0.666_667, 0.79, 0.97],
