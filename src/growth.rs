@@ -23,7 +23,7 @@ pub mod shoots;
 pub mod vigour;
 pub mod wood;
 
-use bevy::ecs::schedule::{ExecutorKind, ScheduleLabel};
+use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -80,11 +80,10 @@ impl Plugin for GrowthPlugin {
         app.init_resource::<StepCount>()
             .init_resource::<Mechanisms>()
             .init_resource::<StageTimes>()
-            .init_resource::<finish::Chronicle>()
             .init_resource::<nodes::FreshNodes>()
             .init_resource::<generation::Condemned>()
             .init_resource::<sensing::SensingJob>()
-            .add_message::<generation::BudBroke>()
+            .init_resource::<Messages<generation::BudBroke>>()
             .add_schedule(growth_step());
     }
 }
@@ -92,7 +91,7 @@ impl Plugin for GrowthPlugin {
 /// The growth step, stage by stage.
 fn growth_step() -> Schedule {
     let mut step = Schedule::new(GrowthStep);
-    step.set_executor_kind(ExecutorKind::SingleThreaded);
+    step.set_executor(SingleThreadedExecutor::new());
     step.configure_sets(
         (Stage::Germinate, Stage::Generate, Stage::Update, Stage::Sense, Stage::Finish).chain(),
     );

@@ -3,6 +3,7 @@
 pub mod chance;
 pub mod environment;
 pub mod export;
+pub mod files;
 pub mod growth;
 pub mod limits;
 pub mod plant;

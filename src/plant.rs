@@ -57,7 +57,7 @@ impl Plugin for PlantPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Roster>()
             .init_resource::<Fallen>()
-            .add_message::<OrganShed>()
+            .init_resource::<Messages<OrganShed>>()
             .register_type::<Plant>()
             .register_type::<EnergyStore>()
             .register_type::<EnergyLedger>()

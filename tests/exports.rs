@@ -96,7 +96,7 @@ fn tree() -> Snapshot {
     axis(trunk[1], 1, Quat::from_rotation_z(0.9), 3, 0.02);
     axis(trunk[3], 1, Quat::from_rotation_z(-0.9), 3, 0.015);
     let dormant = LateralBud { state: LateralBudState::Dormant, ..LateralBud::default() };
-    sketch.organ(trunk[4], 1, Quat::from_rotation_z(0.9), OrganState::LateralBud(dormant));
+    sketch.organ(trunk[4], 1, Quat::from_rotation_z(0.9), OrganState::LateralBud(dormant, GrowthTarget::default()));
     sketch.finish()
 }
 
@@ -249,7 +249,7 @@ fn organs_csv_reads_back_exactly() {
                 assert_eq!(number("size"), leaf.size);
             }
             OrganState::ApicalBud(..) => assert_eq!((cell("kind"), cell("state")), ("apical_bud", "growing")),
-            OrganState::LateralBud(_) => {
+            OrganState::LateralBud(..) => {
                 assert_eq!((cell("kind"), cell("state")), ("lateral_bud", "dormant"))
             }
         }

@@ -101,7 +101,7 @@ fn organ_row(snapshot: &Snapshot, i: usize) -> OrganRow {
             ("internode", if node.is_some() { "node" } else { "" })
         }
         OrganState::ApicalBud(..) => ("apical_bud", "growing"),
-        OrganState::LateralBud(bud) => (
+        OrganState::LateralBud(bud, _) => (
             "lateral_bud",
             match bud.state {
                 LateralBudState::Dormant => "dormant",

@@ -6,7 +6,7 @@ use super::{Mechanisms, StepCount};
 use crate::environment::workers::Workers;
 use crate::plant::{
     Allotment, ApicalBud, Attachment, BranchOrder, Cause, EnergyFlow, EnergyLedger, EnergyStore, Exposure,
-    GrowsFrom, GrowthSpan, GrowthTarget, Identity, Internode, Lineage, NO_PARENT, OrganKind, Plant, Pose, Roster,
+    GrowsFrom, GrowthSpan, GrowthTarget, Identity, Internode, Lineage, NO_PARENT, OrganKind, OrganShed, Plant, Pose, Roster,
     plant_transform, pose, shed, shed_missing,
 };
 use crate::tropism::Steering;
@@ -30,8 +30,11 @@ pub fn shed_condemned(world: &mut World) {
     shed(world, &condemned);
 }
 
-/// Begins the step: sheds what was despawned from outside, carries the books forward.
+/// Begins the step: sheds what was despawned from outside, carries the books forward, and drops the messages of
+/// the step before last (a host without a frame loop has nobody else to do it).
 pub fn open_books(world: &mut World) {
+    world.resource_mut::<Messages<OrganShed>>().update();
+    world.resource_mut::<Messages<BudBroke>>().update();
     shed_missing(world);
     let plants: Vec<Entity> = world.resource::<Roster>().plants.iter().flatten().copied().collect();
     for plant in plants {

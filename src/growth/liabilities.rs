@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use super::generation::Condemned;
 use super::{Mechanisms, StepCount};
 use crate::plant::{
-    Cause, EnergyFlow, EnergyLedger, Exposure, GrowthSpan, Internode, NO_PARENT, OrganKind, Plant, Roster,
+    ApicalBud, Cause, EnergyFlow, EnergyLedger, Exposure, GrowthSpan, Internode, NO_PARENT, OrganKind, Plant, Roster,
 };
 
 /// An organ as the judges see it.
@@ -118,9 +118,13 @@ pub fn shed_liabilities(
     roster: Res<Roster>,
     mut condemned: ResMut<Condemned>,
     plants: Query<(&Plant, &EnergyLedger)>,
-    organs: Query<(&EnergyFlow, Option<&Exposure>, Option<&Internode>, &GrowthSpan)>,
-    mut stems: Query<&mut Internode>,
-    buds: Query<&crate::plant::ApicalBud>,
+    mut organs: Query<(
+        &EnergyFlow,
+        &GrowthSpan,
+        Option<&Exposure>,
+        Option<&ApicalBud>,
+        Option<&mut Internode>,
+    )>,
 ) {
     if !mechanisms.energy {
         return;
@@ -132,10 +136,10 @@ pub fn shed_liabilities(
                 parent: roster.parent[i],
                 kind: roster.kind[i],
                 begins_axis: roster.parent[i] != NO_PARENT
-                    && organ.and_then(|o| o.2).is_some_and(|internode| internode.height_in_branch <= internode.length),
+                    && organ.and_then(|o| o.4).is_some_and(|internode| internode.height_in_branch <= internode.length),
                 income: organ.map_or(0.0, |o| o.0.income),
                 upkeep: organ.map_or(0.0, |o| o.0.upkeep),
-                sensed: organ.is_none_or(|o| o.1.is_none_or(|e| e.sensed)),
+                sensed: organ.is_none_or(|o| o.2.is_none_or(|e| e.sensed)),
             }
         })
         .collect();
@@ -155,8 +159,8 @@ pub fn shed_liabilities(
         }
         if species.prune_patience > 0 {
             for i in (0..accounts.len()).filter(|&i| mine(i) && accounts[i].begins_axis) {
-                let young = organs.get(roster.entity[i]).is_ok_and(|o| step.0 - o.3.born() < 2);
-                let Ok(mut base) = stems.get_mut(roster.entity[i]) else { continue };
+                let Ok((_, span, _, _, Some(mut base))) = organs.get_mut(roster.entity[i]) else { continue };
+                let young = step.0 - span.born() < 2;
                 let poor = sums[i].income < f64::from(species.prune_income) * f64::from(sums[i].internodes);
                 base.poor_steps = if poor && !young { base.poor_steps + 1 } else { 0 };
                 if base.poor_steps > species.prune_patience {
@@ -166,7 +170,8 @@ pub fn shed_liabilities(
         }
         if species.patience_steps > 0 {
             for i in (0..accounts.len()).filter(|&i| mine(i) && roster.kind[i] == OrganKind::ApicalBud) {
-                if buds.get(roster.entity[i]).is_ok_and(|b| b.starved > species.patience_steps) {
+                let bud = organs.get(roster.entity[i]).ok().and_then(|o| o.3);
+                if bud.is_some_and(|b| b.starved > species.patience_steps) {
                     condemned.0.push((roster.birth[i], Cause::Starved));
                 }
             }

@@ -7,7 +7,7 @@ use super::generation::Condemned;
 use super::{Mechanisms, StepCount};
 use crate::chance::{self, Purpose};
 use crate::plant::{
-    Allotment, ApicalBud, Attachment, BranchOrder, Cause, EnergyLedger, EnergyStore, Exposure,
+    Allotment, ApicalBud, BranchOrder, Cause, EnergyLedger, EnergyStore, Exposure,
     GrowthSpan, GrowthTarget, Identity, LateralBud, Leaf, LeafState, Lineage, Node,
     OrganKind, Plant, Pose, Roster, pose,
 };

@@ -66,7 +66,7 @@ impl Form {
                     form.apical_buds += 1;
                     continue;
                 }
-                OrganState::LateralBud(_) => {
+                OrganState::LateralBud(..) => {
                     form.lateral_buds += 1;
                     continue;
                 }
