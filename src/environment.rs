@@ -6,6 +6,7 @@
 
 pub mod cube_map;
 pub mod direct_light;
+pub mod obstacles;
 pub mod probe;
 pub mod scene;
 pub mod sense;
