@@ -2,6 +2,7 @@
 
 pub mod chance;
 pub mod environment;
+pub mod export;
 pub mod growth;
 pub mod limits;
 pub mod plant;
