@@ -6,6 +6,7 @@
 
 pub mod probe;
 pub mod scene;
+pub mod trace;
 
 pub use scene::{
     Capsule, Lamp, LeafPatch, Scene, Sky, SkyGradient, Solid, SolidShape, StandingLamp, StandingSolid, Sun,
