@@ -42,8 +42,6 @@ fn blend(image: &mut RgbImage, x: i64, y: i64, color: [u8; 3], share: f32) {
 }
 
 /// Calls `dot` for each inked pixel of a text whose top left corner is at (0, 0).
-///
-/// Even scales double the glyph first and cut its stairs, so that slants look drawn.
 fn ink(text: &str, scale: u32, mut dot: impl FnMut(i64, i64)) {
     let scale = scale.max(1);
     for (row, line) in text.lines().enumerate() {
@@ -51,28 +49,10 @@ fn ink(text: &str, scale: u32, mut dot: impl FnMut(i64, i64)) {
         for c in line.chars() {
             let rows = glyph(c);
             let (first, width) = extent(&rows);
-            let lit = |x: i64, y: i64| {
-                (0..8).contains(&x) && (0..8).contains(&y) && rows[y as usize] >> x & 1 == 1
-            };
-            let doubled = |x: i64, y: i64| {
-                let (cx, cy) = (x.div_euclid(2), y.div_euclid(2));
-                let (sx, sy) = (x.rem_euclid(2) * 2 - 1, y.rem_euclid(2) * 2 - 1);
-                let (side, below) = (lit(cx + sx, cy), lit(cx, cy + sy));
-                let smooth = side == below && lit(cx - sx, cy) != side && lit(cx, cy - sy) != below;
-                if smooth { side } else { lit(cx, cy) }
-            };
-            let even = scale % 2 == 0;
-            let (step, columns) = if even { (scale / 2, 2) } else { (scale, 1) };
-            for y in 0..8 * columns {
-                for x in 0..width * columns {
-                    let (gx, gy) = ((first * columns + x) as i64, y as i64);
-                    if if even { doubled(gx, gy) } else { lit(gx, gy) } {
-                        for (dx, dy) in (0..step).flat_map(|dy| (0..step).map(move |dx| (dx, dy))) {
-                            let across = left * scale + x * step + dx;
-                            let down = row as u32 * LINE * scale + y * step + dy;
-                            dot(across as i64, down as i64);
-                        }
-                    }
+            let lit = |x: u32, y: u32| rows[y as usize] >> x & 1 == 1;
+            for (y, x) in (0..8 * scale).flat_map(|y| (0..width * scale).map(move |x| (y, x))) {
+                if lit(first + x / scale, y / scale) {
+                    dot(i64::from(left * scale + x), i64::from(row as u32 * LINE * scale + y));
                 }
             }
             left += width + 1;

@@ -27,10 +27,12 @@ use surface::{Surface, around};
 pub use camera::{Bounds, Camera};
 pub use look::{Palette, PlantLook};
 
-/// Sky-light rays at each sample.
+/// Sky-light rays at each sample of wood and leaves.
 const SKY_RAYS: u32 = 2;
+/// Sky-light rays at each sample of large smooth surfaces, where grain would show.
+const SKY_RAYS_SMOOTH: u32 = 4;
 /// How much light the air about a lamp scatters.
-const AIR: f32 = 0.010;
+const AIR: f32 = 0.007;
 
 /// Size and quality of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -140,7 +142,11 @@ impl Painter<'_> {
                 // The middle of the pixel's row: a smooth sky without grain.
                 let row = 1.0 - 2.0 * (y.floor() + 0.5) / self.size.y;
                 let column = 2.0 * (x.floor() + 0.5) / self.size.x - 1.0;
-                (self.daylight.backdrop(self.camera.ray(column, row, aspect)), 0)
+                let smooth_d = self.camera.ray(column, row, aspect);
+                let land = self.scene.ground.is_some();
+                let light =
+                    if land { self.daylight.distance(d, smooth_d) } else { self.daylight.backdrop(smooth_d) };
+                (light, 0)
             }
             Seen::Lamp(i) if self.scene.lamps[i as usize].lamp.on => {
                 let color = Vec3::from(self.scene.lamps[i as usize].lamp.color);
@@ -149,10 +155,8 @@ impl Painter<'_> {
             }
             Seen::Ground => {
                 // Land fades into the air above the horizon.
-                let far = 1.0 - smooth(0.0, 0.055, -d.y);
-                let horizon = self.daylight.backdrop(Vec3::new(d.x, 0.0, d.z));
-                let near = if far < 1.0 { self.shade(&hit, d, stream) } else { Vec3::ZERO };
-                (near.lerp(horizon, far * 0.96), 1)
+                let far = 1.0 - smooth(0.0, 0.04, -d.y);
+                (self.shade(&hit, d, stream).lerp(self.daylight.haze(), far * 0.85), 1)
             }
             Seen::Solid(i) => (self.shade(&hit, d, stream), 10_000 + i),
             Seen::Lamp(i) => (self.shade(&hit, d, stream), 100 + i),
@@ -176,15 +180,16 @@ impl Painter<'_> {
         let back = point - hit.normal * skin;
 
         let mut light = Vec3::ZERO;
-        for ray in 0..SKY_RAYS {
-            let (u, v) = stream.pair(1, stream.sample * SKY_RAYS + ray);
+        let rays = if birth.is_some() { SKY_RAYS } else { SKY_RAYS_SMOOTH };
+        for ray in 0..rays {
+            let (u, v) = stream.pair(1, stream.sample * rays + ray);
             let to = around(surface.normal, u, v);
             light += surface.color * self.sky_from(front, to, blind);
             if thin && ray == 0 {
-                light += surface.through * SKY_RAYS as f32 * self.sky_from(back, -to, blind);
+                light += surface.through * rays as f32 * self.sky_from(back, -to, blind);
             }
         }
-        light /= SKY_RAYS as f32;
+        light /= rays as f32;
 
         // What a hard light gives, reached or not, on whichever side it falls.
         let mut direct = |towards: Vec3, reach: f32, color: Vec3| {

@@ -10,7 +10,7 @@ const TAN_HALF_VIEW: f32 = 0.23;
 /// Part of the picture's height the plants fill.
 const PLANT_HEIGHT: f32 = 0.82;
 /// Part of the picture's width the plants fill at most.
-const PLANT_WIDTH: f32 = 0.90;
+const PLANT_WIDTH: f32 = 0.88;
 /// Part of the picture all else that is framed fills at most.
 const THINGS: f32 = 0.95;
 
@@ -61,7 +61,7 @@ impl Span {
             (0.0, -1.0),
             (0.7071, -0.7071),
         ];
-        const LEVELS: [(f32, f32); 4] = [(0.0, 0.1), (0.35, 1.0), (0.75, 1.0), (1.0, 0.35)];
+        const LEVELS: [(f32, f32); 4] = [(0.0, 0.1), (0.35, 1.0), (0.75, 1.0), (1.0, 0.5)];
         LEVELS.into_iter().flat_map(move |(level, width)| {
             RING.into_iter().map(move |(x, z)| {
                 let half = self.size() * 0.5;
@@ -208,7 +208,9 @@ impl Camera {
                 low = low.min(at);
                 high = high.max(at);
             }
-            let middle = (low + high) * 0.5;
+            // Room to spare goes to the sky rather than to the ground.
+            let spare = (1.0 - (high.y - low.y) * 0.5).max(0.0);
+            let middle = (low + high) * 0.5 + Vec2::new(0.0, 0.3 * spare);
             let shift = distance * TAN_HALF_VIEW;
             target += camera.right * (middle.x * aspect * PLANT_WIDTH * shift)
                 + Vec3::Y * (middle.y * PLANT_HEIGHT * shift);

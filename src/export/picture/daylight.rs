@@ -3,7 +3,7 @@
 use bevy::math::ops;
 use bevy::prelude::*;
 
-use super::noise::smooth;
+use super::noise::{rough, smooth};
 use crate::environment::Scene;
 
 /// The picture's one hard light: the sun, or a soft light that stands in for it.
@@ -50,7 +50,7 @@ impl Daylight {
             None => {
                 let level = Vec3::new(-forward.x, 0.0, -forward.z).normalize_or(Vec3::Z);
                 let direction = (level * 0.75 - right * 0.85 + Vec3::Y * 1.05).normalize();
-                Some(Key { direction, color: Vec3::new(1.0, 0.95, 0.86) * (1.25 * sky), spread: 0.09 })
+                Some(Key { direction, color: Vec3::new(1.0, 0.95, 0.86) * (1.35 * sky * (1.0 - 0.55 * dusk)), spread: 0.09 })
             }
         };
         let lit = key.map_or(Vec3::ZERO, |key| key.color * key.direction.y.max(0.0));
@@ -59,13 +59,13 @@ impl Daylight {
 
         // Lamps count by what they give at ten radii, wherever they stand: moving one must not flicker.
         let lamps = scene.lamps.iter().filter(|s| s.lamp.on).map(|s| s.lamp.strength.max(0.0) * 0.01).sum::<f32>();
-        let level = 0.8 * sky + 0.35 * lit.element_sum() + 0.12 * lamps.min(4.0) + 0.01;
+        let level = 0.8 * sky + 0.35 * lit.element_sum() + 0.08 * lamps.min(4.0) + 0.01;
         // The eye adapts, but not all the way: dusk stays darker than noon.
-        let exposure = 1.0 / ops::powf(level, 0.76);
+        let exposure = 1.0 / ops::powf(level, 0.68);
 
         let day = [Vec3::new(0.30, 0.52, 0.86), Vec3::new(0.62, 0.79, 0.97), Vec3::new(0.97, 0.99, 1.0)];
         let late = [Vec3::new(0.13, 0.21, 0.50), Vec3::new(0.42, 0.38, 0.58), Vec3::new(1.30, 0.66, 0.36)];
-        let shade = |i: usize| day[i].lerp(late[i], dusk) * (sky * (1.25 + 0.35 * dusk)) + night * 2.0;
+        let shade = |i: usize| day[i].lerp(late[i], dusk) * (sky * (1.75 - 0.35 * dusk)) + night * 2.0;
         Self {
             key,
             from_ground: ground * (ambient * 0.8 + lit * 0.7),
@@ -83,7 +83,28 @@ impl Daylight {
         self.tint * scene.sky.radiance(d).max(0.0)
     }
 
-    /// The sky as the picture shows it in direction `d`, a unit vector.
+    /// What stands behind everything in direction `d`, a unit vector: two pale rows of hills, then sky, which
+    /// is taken along `smooth_d` to be free of grain.
+    pub(super) fn distance(&self, d: Vec3, smooth_d: Vec3) -> Vec3 {
+        let round = Vec3::new(d.x, 0.0, d.z).normalize_or_zero();
+        let near = 0.004 + 0.020 * rough(round * 9.0 + Vec3::splat(3.0), 4);
+        let far = 0.012 + 0.034 * rough(round * 5.0 + Vec3::splat(40.0), 3);
+        let horizon = self.horizon.lerp(self.middle, 0.35);
+        if d.y < near {
+            horizon * Vec3::new(0.50, 0.60, 0.58)
+        } else if d.y < far {
+            horizon * Vec3::new(0.70, 0.79, 0.84)
+        } else {
+            self.backdrop(smooth_d)
+        }
+    }
+
+    /// The far edge of the land.
+    pub(super) fn haze(&self) -> Vec3 {
+        self.horizon.lerp(self.middle, 0.35) * Vec3::new(0.58, 0.66, 0.56)
+    }
+
+    /// The clear sky as the picture shows it in direction `d`, a unit vector.
     pub(super) fn backdrop(&self, d: Vec3) -> Vec3 {
         let h = d.y.max(0.0);
         let low = self.horizon.lerp(self.middle, smooth(-0.04, 0.20, h));
@@ -92,11 +113,11 @@ impl Daylight {
 
     /// From light to what film shows of it: linear RGB 0..1, shoulders rounded.
     pub(super) fn develop(&self, light: Vec3) -> Vec3 {
-        let x = light * self.exposure * 0.72;
+        let x = light * self.exposure * 0.62;
+        // A toe for depth, a shoulder that reaches white softly: the usual rational fit of a film's curve.
         let curve = |x: f32| {
             let x = x.max(0.0);
-            // Slope about one at the foot, white reached softly.
-            x * (1.0 + x * 0.16) / (1.0 + x * (0.72 + x * 0.16))
+            (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).min(1.0)
         };
         Vec3::new(curve(x.x), curve(x.y), curve(x.z))
     }

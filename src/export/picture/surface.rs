@@ -118,11 +118,11 @@ fn meadow(palette: &Palette, point: Vec3, footprint: f32) -> Vec3 {
     let keep = |size: f32| smooth(0.8, 4.0, size / footprint.max(1e-6));
     let patch = rough(flat * 0.35, 3);
     let tuft = (value(flat * 4.0) - 0.5) * keep(0.25) + (value(flat * 11.0) - 0.5) * 0.8 * keep(0.09);
-    let blade = (value(flat * Vec3::new(60.0, 0.0, 28.0)) - 0.5) * keep(0.025);
+    let blade = (value(flat * Vec3::new(45.0, 0.0, 20.0)) - 0.5) * keep(0.03);
     let bare = smooth(0.52, 0.78, patch + 0.10 * tuft);
     let color = palette.grass.lerp(palette.earth, bare * 0.75);
     let dry = 1.0 + 0.18 * (value(flat * 0.9 + Vec3::splat(31.0)) - 0.5);
-    color * Vec3::new(dry, 1.0, 1.0) * (1.0 + 0.16 * tuft + 0.14 * blade)
+    color * Vec3::new(dry, 1.0, 1.0) * (1.0 + 0.34 * tuft + 0.40 * blade)
 }
 
 /// A direction about `normal`, likelier the nearer to it, from two numbers in 0..1.
