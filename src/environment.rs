@@ -4,9 +4,14 @@
 //! mesh. A [`Scene`] is plain data gathered once a step. [`CubeMap`](cube_map::CubeMap)s rendered in it at
 //! [`Probe`](probe::Probe)s give every bud and leaf its light and space (`LK-13`).
 
+pub mod cube_map;
+pub mod direct_light;
+pub mod obstacles;
 pub mod probe;
 pub mod scene;
+pub mod sense;
 pub mod trace;
+pub mod workers;
 
 pub use scene::{
     Capsule, Lamp, LeafPatch, Scene, Sky, SkyGradient, Solid, SolidShape, StandingLamp, StandingSolid, Sun,

@@ -25,7 +25,8 @@ use smallvec::SmallVec;
 
 use super::scene::Scene;
 use form::Form;
-pub(crate) use packet::{FaceRays, Frame, Texel};
+pub use packet::Texel;
+pub(crate) use packet::{FaceRays, Frame};
 
 /// A point this little below the ground still counts as on it, metres.
 const GROUND_SKIN: f32 = 1e-3;
@@ -221,10 +222,55 @@ impl<'a> Tracer<'a> {
     /// Whether a point is underground or inside a solid: dark, and no place to grow to.
     pub fn is_buried(&self, point: Vec3) -> bool {
         self.scene.ground.is_some_and(|ground| point.y < ground - GROUND_SKIN)
-            || self.scene.solids.iter().any(|solid| {
-                // There are few solids, and shadows and maps have their own way through the boxes.
-                Form::solid(solid).is_some_and(|form| form.encloses(point))
-            })
+            || self.around(point, |item| matches!(item.seen, Seen::Solid(_)))
+    }
+
+    /// Whether a shoot from `origin` could not end at `point`: it would be underground, behind or in a
+    /// solid, or in wood that it neither starts in nor is blind to.
+    pub(crate) fn is_barred(&self, origin: Vec3, point: Vec3, blind: &[u32]) -> bool {
+        let way = point - origin;
+        let dd = way.length_squared();
+        self.is_buried(point)
+            || self.around(point, |item| item.is_wood() && !item.is_unseen_from(origin, blind))
+            || (usable(origin, dd)
+                && self.visit(origin, way, 1.0, |item, reach| {
+                    matches!(item.seen, Seen::Solid(_))
+                        && item.distance(origin, way, dd).is_some_and(|t| t <= *reach)
+                }))
+    }
+
+    /// Unit normal of a flat thing at a point of its surface; `None` for wood, lamps and the sky.
+    pub(crate) fn flat_normal(&self, seen: Seen, point: Vec3) -> Option<Vec3> {
+        match seen {
+            Seen::Ground => Some(Vec3::Y),
+            Seen::Leaf(i) => {
+                let leaf = self.scene.leaves.get(i as usize)?;
+                leaf.midrib.cross(leaf.across).try_normalize()
+            }
+            Seen::Solid(i) => Form::solid(self.scene.solids.get(i as usize)?)?.normal(point).try_normalize(),
+            Seen::Wood(_) | Seen::Lamp(_) | Seen::Sky => None,
+        }
+    }
+
+    /// Whether a form that encloses the point meets a condition.
+    fn around(&self, point: Vec3, condition: impl Fn(&Item) -> bool) -> bool {
+        let mut stack: SmallVec<[u32; 64]> = SmallVec::new();
+        stack.extend((!self.nodes.is_empty()).then_some(0));
+        while let Some(index) = stack.pop() {
+            let node = &self.nodes[index as usize];
+            if !(0..3).all(|k| (node.min[k]..=node.max[k]).contains(&point[k])) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.extend([node.first, node.first + 1]);
+                continue;
+            }
+            let items = &self.items[node.first as usize..(node.first + node.count) as usize];
+            if items.iter().any(|item| condition(item) && item.form.encloses(point)) {
+                return true;
+            }
+        }
+        false
     }
 
     /// Distance to the ground.
@@ -533,6 +579,7 @@ mod tests {
         for size in [1, 3, 8, 13] {
             let rays = FaceRays::new(frame, size);
             for origin in [Vec3::ZERO, Vec3::new(1.0, 0.5, -1.0), Vec3::new(2.5, 0.1, 0.3), Vec3::Y * -3.0] {
+                texels.clear();
                 tracer.face(&rays, origin, &[2, 5], &mut texels);
                 for (texel, &d) in texels.iter().zip(&rays.directions) {
                     let hit = tracer.closest(origin, d, f32::INFINITY, &[2, 5]);

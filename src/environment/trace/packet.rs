@@ -22,11 +22,13 @@ pub(crate) struct Frame {
 
 /// What one texel shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Texel {
+pub struct Texel {
     /// Planar depth, metres; infinite for the sky.
-    pub(crate) depth: f32,
+    pub depth: f32,
     /// What was seen.
-    pub(crate) seen: Seen,
+    pub seen: Seen,
+    /// Whether it shows light: sky or a burning lamp.
+    pub bright: bool,
 }
 
 /// Rays of one face: `forward + a right + b up` with a and b at texel centres.
@@ -69,11 +71,11 @@ const SKY: u32 = u32::MAX;
 const GROUND: u32 = u32::MAX - 1;
 
 impl Tracer<'_> {
-    /// Renders one face at `origin` into `texels`, which is emptied first.
+    /// Renders one face at `origin` and appends its texels.
     pub(crate) fn face(&self, rays: &FaceRays, origin: Vec3, blind: &[u32], texels: &mut Vec<Texel>) {
-        texels.clear();
         if !usable(origin, 1.0) {
-            texels.resize(rays.directions.len(), Texel { depth: f32::INFINITY, seen: Seen::Sky });
+            let sky = Texel { depth: f32::INFINITY, seen: Seen::Sky, bright: true };
+            texels.extend(std::iter::repeat_n(sky, rays.directions.len()));
             return;
         }
         let mut found: Vec<(f32, u32)> = rays
@@ -108,13 +110,13 @@ impl Tracer<'_> {
                 }
             }
         }
-        texels.extend(found.iter().map(|&(depth, item)| Texel {
-            depth,
-            seen: match item {
+        texels.extend(found.iter().map(|&(depth, item)| {
+            let seen = match item {
                 SKY => Seen::Sky,
                 GROUND => Seen::Ground,
                 _ => self.items[item as usize].seen,
-            },
+            };
+            Texel { depth, seen, bright: self.is_light(seen) }
         }));
     }
 
