@@ -6,6 +6,7 @@
 
 pub mod cube_map;
 pub mod direct_light;
+pub mod gather;
 pub mod obstacles;
 pub mod probe;
 pub mod scene;
@@ -13,6 +14,7 @@ pub mod sense;
 pub mod trace;
 pub mod workers;
 
+pub use gather::add_plants;
 pub use scene::{
     Capsule, Lamp, LeafPatch, Scene, Sky, SkyGradient, Solid, SolidShape, StandingLamp, StandingSolid, Sun,
     SunLight,

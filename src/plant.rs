@@ -3,6 +3,7 @@
 
 mod energy;
 mod identity;
+pub mod measure;
 mod organ;
 pub mod pose;
 mod roster;

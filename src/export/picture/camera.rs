@@ -225,4 +225,13 @@ impl Camera {
         let t = self.tan_half_view;
         (self.forward + self.right * (x * t * aspect) + self.up * (y * t)).normalize()
     }
+
+    /// Where a point of the world is seen: x from -1 (left) to 1, y from -1 (bottom) to 1 within a picture of
+    /// that aspect, beyond it outside; `None` behind the camera.
+    pub fn project(&self, point: Vec3, aspect: f32) -> Option<Vec2> {
+        let d = point - self.eye;
+        let depth = d.dot(self.forward);
+        let at = Vec2::new(d.dot(self.right) / aspect, d.dot(self.up)) / (depth * self.tan_half_view);
+        (depth > 0.0 && at.is_finite()).then_some(at)
+    }
 }

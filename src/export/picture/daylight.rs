@@ -63,7 +63,7 @@ impl Daylight {
         // The eye adapts, but not all the way: dusk stays darker than noon.
         let exposure = 1.0 / ops::powf(level, 0.68);
 
-        let day = [Vec3::new(0.30, 0.52, 0.86), Vec3::new(0.62, 0.79, 0.97), Vec3::new(0.97, 0.99, 1.0)];
+        let day = [Vec3::new(0.17, 0.40, 0.84), Vec3::new(0.50, 0.73, 0.98), Vec3::new(0.97, 0.99, 1.0)];
         let late = [Vec3::new(0.13, 0.21, 0.50), Vec3::new(0.42, 0.38, 0.58), Vec3::new(1.30, 0.66, 0.36)];
         let shade = |i: usize| day[i].lerp(late[i], dusk) * (sky * (1.75 - 0.35 * dusk)) + night * 2.0;
         Self {

@@ -2,6 +2,7 @@
 
 use bevy::prelude::*;
 
+use crate::plant::{PlantRecord, Snapshot};
 use crate::species::Species;
 use crate::species::parameter::Color;
 
@@ -49,6 +50,14 @@ impl Palette {
     /// The usual meadow and the colours of these species, one for each plant.
     pub fn of<'a>(species: impl IntoIterator<Item = &'a Species>) -> Self {
         Self { plants: species.into_iter().map(PlantLook::of).collect(), ..Self::default() }
+    }
+
+    /// The usual meadow and the colours of the plants of a snapshot.
+    pub fn of_snapshot(snapshot: &Snapshot) -> Self {
+        let look = |plant: &Option<PlantRecord>| {
+            plant.as_ref().map_or_else(PlantLook::default, |plant| PlantLook::of(&plant.species))
+        };
+        Self { plants: snapshot.plants.iter().map(look).collect(), ..Self::default() }
     }
 
     /// Look of a plant; the default one if it has none here.

@@ -66,6 +66,8 @@ fn bark(color: Vec3, point: Vec3, radius: f32, normal: Vec3) -> Surface {
 fn leaf(color: Vec3, patch: &LeafPatch, point: Vec3, d: Vec3, normal: Vec3) -> Surface {
     let h = hash(patch.organ ^ patch.plant.wrapping_mul(0x0100_0193));
     let (a, b) = (unit(h) - 0.5, unit(mix(h, 1)) - 0.5);
+    // Real leaves are greyer than their names: wax and dust.
+    let color = color.lerp(Vec3::splat(color.element_sum() / 3.0), 0.10) * 1.12;
     let own = color * (1.0 + 0.34 * a) * Vec3::new(1.0 + 0.30 * b, 1.0, 1.0 - 0.25 * b);
 
     let off = point - patch.base;
