@@ -359,3 +359,15 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn wood_does_not_pinch_where_an_axis_forks() {
+    let mut sketch = Sketch::new(Species::default(), Vec3::ZERO);
+    let trunk = sketch.stem(NO_PARENT, 0, Quat::IDENTITY, 1.0, 0.1, 1.0);
+    for side in [-0.5, 0.5] {
+        sketch.stem(trunk, 1, Quat::from_rotation_z(side), 1.0, 0.08, 1.0);
+    }
+    let surface = &wood(&sketch.finish())[1];
+    let at_fork = surface.positions.iter().filter(|p| p[1] == 1.0).map(|p| p[0].hypot(p[2]));
+    assert!((at_fork.fold(0.0, f32::max) - 0.1).abs() < 1e-6);
+}

@@ -177,7 +177,7 @@ mod tests {
                 assert!(blade.midrib.dot(blade.across).abs() < 1e-6);
             }
         }
-        let level = blades(&Species::default(), Quat::from_rotation_z(-1.5708), 1.0, 5);
+        let level = blades(&Species::default(), Quat::from_rotation_z(-core::f32::consts::FRAC_PI_2), 1.0, 5);
         assert_eq!(level.len(), 1);
         assert!(level[0].normal().y > 0.95);
     }

@@ -15,7 +15,7 @@ const SIDES: [u32; 2] = [3, 12];
 const ROUND_RADIUS: f32 = 0.2;
 /// Widening of the base of an axis, as a multiple of its first radius.
 const FLARE: f32 = 1.35;
-/// Radius at the tip of an axis, as a share of its last internode's.
+/// Radius at the tip of an axis that bears no other, as a share of its last internode's.
 const TIP: f32 = 0.5;
 /// Width of a tile of bark about which tiles are made to fit, metres.
 const BARK_TILE: f32 = 0.4;
@@ -27,6 +27,8 @@ pub struct Axes {
     pub starts: Vec<u32>,
     /// For each organ, the index of the internode that continues its axis, or [`NO_PARENT`].
     pub next: Vec<u32>,
+    /// For each organ, whether a stem grows from it.
+    pub bears: Vec<bool>,
 }
 
 impl Axes {
@@ -35,11 +37,16 @@ impl Axes {
     /// An internode continues its parent's axis when it is of the same order and farther along; of several, the
     /// first-born does.
     pub fn of(snapshot: &Snapshot) -> Self {
-        let mut axes = Self { starts: Vec::new(), next: vec![NO_PARENT; snapshot.len()] };
+        let mut axes = Self {
+            starts: Vec::new(),
+            next: vec![NO_PARENT; snapshot.len()],
+            bears: vec![false; snapshot.len()],
+        };
         for i in 0..snapshot.len() {
             let Some(internode) = internode(snapshot, i as u32) else { continue };
             let p = snapshot.parent[i];
             let continues = internode_below(snapshot, i as u32).is_some_and(|below| {
+                axes.bears[p as usize] = true;
                 internode.height_in_branch > below.height_in_branch
                     && snapshot.order[i] == snapshot.order[p as usize]
                     && axes.next[p as usize] == NO_PARENT
@@ -104,6 +111,7 @@ pub fn wood(snapshot: &Snapshot) -> Vec<Surface> {
 fn lay_rings(snapshot: &Snapshot, axes: &Axes, start: u32, rings: &mut Vec<Ring>) {
     rings.clear();
     let mut along = 0.0;
+    let mut last = start;
     for i in axes.walk(start) {
         let Some(internode) = internode(snapshot, i) else { break };
         let pose = &snapshot.pose[i as usize];
@@ -126,9 +134,10 @@ fn lay_rings(snapshot: &Snapshot, axes: &Axes, start: u32, rings: &mut Vec<Ring>
             }
         }
         along += internode.length;
+        last = i;
         rings.push(Ring { center: pose.tip(internode.length), direction: heading, radius, along });
     }
-    if let Some(tip) = rings.last_mut() {
+    if let Some(tip) = rings.last_mut().filter(|_| !axes.bears[last as usize]) {
         tip.radius *= TIP;
     }
 }
