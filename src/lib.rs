@@ -1,5 +1,6 @@
 //! Burgeon grows trees: every bud, internode and leaf is an entity.
 
+pub mod assets;
 pub mod chance;
 pub mod environment;
 pub mod export;

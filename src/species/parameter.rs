@@ -417,19 +417,43 @@ pub(crate) use parameters;
 
 pub(crate) fn invalid(table: &'static [Parameter], name: &str, value: &Value) -> ParameterError {
     match table.iter().find(|p| p.name == name) {
-        Some(p) => ParameterError::Invalid { name: p.name, value: value.to_string(), allowed: p.allowed() },
+        Some(p) => {
+            ParameterError::Invalid { name: p.name, value: shorten(&value.to_string()), allowed: p.allowed() }
+        }
         None => unknown(table, name),
     }
 }
 
 pub(crate) fn unknown(table: &'static [Parameter], name: &str) -> ParameterError {
-    let nearest = table
-        .iter()
-        .map(|p| (shared_letters(p.name, name), p.name))
-        .max_by_key(|(score, _)| *score)
-        .filter(|(score, _)| *score * 2 > name.len())
-        .map(|(_, n)| n);
-    ParameterError::Unknown { name: name.into(), nearest }
+    let nearest = nearest(name, table.iter().map(|p| p.name));
+    ParameterError::Unknown { name: shorten(name), nearest }
+}
+
+/// The name most like a mistyped one, if any is like it at all.
+pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    // Nobody mistypes more than this, and comparing costs the product of the lengths.
+    const LONGEST: usize = 64;
+    if name.is_empty() || name.len() > LONGEST {
+        return None;
+    }
+    let mut best = (500, None);
+    for candidate in known {
+        let likeness = 2000 * shared_letters(candidate, name) / (candidate.len() + name.len());
+        if likeness > best.0 {
+            best = (likeness, Some(candidate));
+        }
+    }
+    best.1
+}
+
+/// A text short enough for a message.
+pub(crate) fn shorten(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let flat = text.trim();
+    match flat.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{}...", &flat[..end]),
+        None => flat.into(),
+    }
 }
 
 /// Length of the longest common subsequence, a cheap measure of likeness.
