@@ -238,9 +238,14 @@ impl Painter<'_> {
             let radius = standing.lamp.radius;
             let miss = (to - d * along).length().max(radius);
             // The inverse square summed along the ray: an angle over the distance at which it passes.
-            let end = if reach.is_finite() { ops::atan((reach - along) / miss) } else { core::f32::consts::FRAC_PI_2 };
+            let end = if reach.is_finite() {
+                ops::atan((reach - along) / miss)
+            } else {
+                core::f32::consts::FRAC_PI_2
+            };
             let seen = (end + ops::atan(along / miss)).max(0.0) / miss;
-            sum + Vec3::from(standing.lamp.color) * (AIR * standing.lamp.strength.max(0.0) * radius * radius * seen)
+            sum + Vec3::from(standing.lamp.color)
+                * (AIR * standing.lamp.strength.max(0.0) * radius * radius * seen)
         })
     }
 }
@@ -314,7 +319,8 @@ mod tests {
         let scene = stem(0.05);
         for (azimuth, elevation) in [(0.0, 5.0), (130.0, 0.5), (-60.0, 40.0)] {
             let camera = Camera::framing(&Bounds::of(&scene), azimuth, elevation, SMALL.aspect());
-            let ends = [Vec3::ZERO, Vec3::new(0.0, 2.0, 0.0)].map(|p| camera.project(p, SMALL.aspect()).unwrap());
+            let ends =
+                [Vec3::ZERO, Vec3::new(0.0, 2.0, 0.0)].map(|p| camera.project(p, SMALL.aspect()).unwrap());
             assert!(ends.iter().all(|p| p.abs().max_element() < 0.98), "{ends:?}");
             let height = (ends[1].y - ends[0].y) * 0.5;
             assert!((0.6..0.9).contains(&height), "{height}");

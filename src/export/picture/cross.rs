@@ -67,7 +67,14 @@ pub fn cube_map_picture(map: &CubeMap, tracer: &Tracer, palette: &Palette, view:
                 _ => up,
             };
             let toward = Vec3::new(across, height, 1.0).normalize();
-            Rgb(encode(color(tracer, palette, &daylight, texel.seen, texel.depth / view.range.max(1e-6), toward)))
+            Rgb(encode(color(
+                tracer,
+                palette,
+                &daylight,
+                texel.seen,
+                texel.depth / view.range.max(1e-6),
+                toward,
+            )))
         });
         let scale = if side >= 240 { 2 } else { 1 };
         let numbers = format!("light {:.2}\nspace {:.2}", reading.light, reading.space);
