@@ -183,8 +183,7 @@ impl Camera {
         let azimuth = azimuth_deg.to_radians();
         let elevation = elevation_deg.clamp(-80.0, 89.0).to_radians();
         let flat = ops::cos(elevation);
-        let back =
-            Vec3::new(ops::sin(azimuth) * flat, ops::sin(elevation), ops::cos(azimuth) * flat);
+        let back = Vec3::new(ops::sin(azimuth) * flat, ops::sin(elevation), ops::cos(azimuth) * flat);
         let mut target = plants.center();
         let mut distance = plants.size().length().max(0.1) * 0.5 / TAN_HALF_VIEW;
         let mut camera = Self::looking(target + back * distance, target);
