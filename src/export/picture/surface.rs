@@ -14,7 +14,7 @@ use crate::environment::{LeafPatch, Scene, SolidShape, StandingSolid};
 pub(super) struct View {
     /// Right of the picture, unit vector.
     pub(super) right: Vec3,
-    /// How much flatter the ground is seen than from above.
+    /// How much shorter grain on the ground is across the view than along it.
     pub(super) slope: f32,
     /// Width of a pixel one metre from the eye, metres.
     pub(super) pixel: f32,
@@ -25,7 +25,7 @@ impl View {
         let foreground = camera.ray(0.0, -0.7, 1.0);
         Self {
             right: camera.right,
-            slope: (-foreground.y).clamp(0.06, 1.0),
+            slope: (-2.6 * foreground.y).clamp(0.15, 1.0),
             pixel: 2.0 * camera.tan_half_view / height.max(1) as f32,
         }
     }
@@ -133,7 +133,7 @@ fn wall(solid: &StandingSolid, point: Vec3, normal: Vec3, footprint: f32) -> Sur
 
 /// A meadow: grass and bare patches, finer grain the nearer it is.
 ///
-/// Grain is drawn out along the view by as much as perspective shortens it, as upright blades would be.
+/// Grain is drawn out along the view, which perspective shortens: tufts stand rather than lie.
 fn meadow(palette: &Palette, point: Vec3, view: &View, footprint: f32) -> Vec3 {
     let keep = |size: f32| smooth(0.8, 4.0, size / footprint.max(1e-6));
     let flat = Vec3::new(point.x, 0.0, point.z);
