@@ -29,10 +29,6 @@ pub use camera::{Bounds, Camera};
 pub use cross::{CubeMapView, cube_map_picture};
 pub use look::{Palette, PlantLook};
 
-/// Sky-light rays at each sample of wood and leaves.
-const SKY_RAYS: u32 = 2;
-/// Sky-light rays at each sample of large smooth surfaces, where grain would show.
-const SKY_RAYS_SMOOTH: u32 = 4;
 /// How much light the air about a lamp scatters.
 const AIR: f32 = 0.007;
 
@@ -178,7 +174,7 @@ impl Painter<'_> {
         let back = point - hit.normal * skin;
 
         let mut light = Vec3::ZERO;
-        let rays = if matches!(hit.seen, Seen::Wood(_) | Seen::Leaf(_)) { SKY_RAYS } else { SKY_RAYS_SMOOTH };
+        let rays = sky_rays(hit.seen);
         for ray in 0..rays {
             let (u, v) = stream.pair(1, stream.sample * rays + ray);
             let to = around(surface.normal, u, v);
@@ -244,6 +240,15 @@ impl Painter<'_> {
             sum + Vec3::from(standing.lamp.color)
                 * (AIR * standing.lamp.strength.max(0.0) * radius * radius * seen)
         })
+    }
+}
+
+/// Sky-light rays at each sample: more on the large smooth surfaces, where grain would show.
+fn sky_rays(seen: Seen) -> u32 {
+    match seen {
+        Seen::Wood(_) | Seen::Leaf(_) => 2,
+        Seen::Ground | Seen::Sky => 4,
+        Seen::Solid(_) | Seen::Lamp(_) => 8,
     }
 }
 
