@@ -51,16 +51,9 @@ impl Span {
     }
     /// Points on a rounded body inside the box: crowns have no corners.
     fn rounded(self) -> impl Iterator<Item = Vec3> {
-        const RING: [(f32, f32); 8] = [
-            (1.0, 0.0),
-            (0.7071, 0.7071),
-            (0.0, 1.0),
-            (-0.7071, 0.7071),
-            (-1.0, 0.0),
-            (-0.7071, -0.7071),
-            (0.0, -1.0),
-            (0.7071, -0.7071),
-        ];
+        const D: f32 = core::f32::consts::FRAC_1_SQRT_2;
+        const RING: [(f32, f32); 8] =
+            [(1.0, 0.0), (D, D), (0.0, 1.0), (-D, D), (-1.0, 0.0), (-D, -D), (0.0, -1.0), (D, -D)];
         const LEVELS: [(f32, f32); 4] = [(0.0, 0.1), (0.35, 1.0), (0.75, 1.0), (1.0, 0.5)];
         LEVELS.into_iter().flat_map(move |(level, width)| {
             RING.into_iter().map(move |(x, z)| {
