@@ -86,7 +86,7 @@ pub fn germinate(world: &mut World) {
                 Steering::default(),
                 GrowthTarget { heading: pose.heading(), fitness: 0.0 },
                 Exposure { light: 1.0, space: 1.0, sensed: false },
-                Allotment(fed),
+                Allotment(if energy { fed } else { 0.0 }),
             ))
             .id();
         let birth =
