@@ -6,8 +6,8 @@ use burgeon::BurgeonPlugins;
 use burgeon::growth::generation::Condemned;
 use burgeon::plant::{
     Allotment, ApicalBud, Attachment, BranchOrder, Cause, EnergyFlow, EnergyLedger, EnergyStore, Exposure,
-    GrowsFrom, GrowthSpan, GrowthTarget, Identity, Internode, LateralBud, Leaf, LeafState, Lineage, NO_PARENT,
-    Node, OrganKind, Plant, Pose, Roster,
+    GrowsFrom, GrowthSpan, GrowthTarget, Identity, Internode, LateralBud, Leaf, LeafState, Lineage,
+    NO_PARENT, Node, OrganKind, Plant, Pose, Roster,
 };
 use burgeon::species::Species;
 use burgeon::tropism::Steering;
@@ -75,8 +75,13 @@ impl Nursery {
     /// An apical bud in some light with some energy.
     pub fn apical_bud(&mut self, on: Option<Entity>, light: f32, energy: f32) -> Entity {
         let order = on.map_or(0, |on| self.get::<BranchOrder>(on).0);
-        let state =
-            (ApicalBud::default(), Steering::default(), GrowthTarget::default(), lit(light), Allotment(energy));
+        let state = (
+            ApicalBud::default(),
+            Steering::default(),
+            GrowthTarget::default(),
+            lit(light),
+            Allotment(energy),
+        );
         self.organ(on, OrganKind::ApicalBud, order, Quat::IDENTITY, state)
     }
 
@@ -97,9 +102,8 @@ impl Nursery {
         attachment: Quat,
         state: impl Bundle,
     ) -> Entity {
-        let parent = on.map_or(NO_PARENT, |on| {
-            self.roster().entity.iter().position(|&e| e == on).unwrap() as u32
-        });
+        let parent =
+            on.map_or(NO_PARENT, |on| self.roster().entity.iter().position(|&e| e == on).unwrap() as u32);
         let (tip, below) = on.map_or((Vec3::ZERO, Quat::IDENTITY), |on| {
             let pose = self.get::<Pose>(on);
             (pose.tip(self.get::<Internode>(on).length), pose.rotation)
@@ -130,7 +134,11 @@ impl Nursery {
     }
 
     /// A component of an organ or of the plant, to be changed.
-    pub fn set<C: Component<Mutability = bevy::ecs::component::Mutable>>(&mut self, entity: Entity, value: C) {
+    pub fn set<C: Component<Mutability = bevy::ecs::component::Mutable>>(
+        &mut self,
+        entity: Entity,
+        value: C,
+    ) {
         *self.app.world_mut().get_mut::<C>(entity).unwrap() = value;
     }
 

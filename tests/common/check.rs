@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use bevy::prelude::*;
-use burgeon::environment::{SolidShape, StandingSolid, standing_solids};
 use burgeon::environment::Solid;
+use burgeon::environment::{SolidShape, StandingSolid, standing_solids};
 use burgeon::plant::{Identity, NO_PARENT, OrganKind, OrganState, Roster, Snapshot};
 
 /// Fails with a sentence.
