@@ -3,6 +3,7 @@
 //! Whatever is wrong with a file is one [`FileError`]: where it is, what is there and what is allowed. Nothing
 //! is clamped silently and nothing is half loaded.
 
+mod check;
 mod read;
 mod ron_text;
 mod run;
