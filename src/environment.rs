@@ -4,9 +4,19 @@
 //! mesh. A [`Scene`] is plain data gathered once a step. [`CubeMap`](cube_map::CubeMap)s rendered in it at
 //! [`Probe`](probe::Probe)s give every bud and leaf its light and space (`LK-13`).
 
+pub mod cube_map;
+pub mod direct_light;
+pub mod gather;
+pub mod obstacles;
+pub mod plugin;
 pub mod probe;
 pub mod scene;
+pub mod sense;
+pub mod trace;
+pub mod workers;
 
+pub use gather::add_plants;
+pub use plugin::{EnvironmentPlugin, Ground, standing_solids};
 pub use scene::{
     Capsule, Lamp, LeafPatch, Scene, Sky, SkyGradient, Solid, SolidShape, StandingLamp, StandingSolid, Sun,
     SunLight,

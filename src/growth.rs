@@ -1,7 +1,57 @@
-//! The growth step: what happens, in order, each time a plant grows by one step.
+//! The loop (`LK-1`): all of a growth step, in order.
+//!
+//! ```text
+//! Germinate  open new seeds · look around once
+//! Generate   wake lateral buds · extend shoots (steered) · form nodes · unfold leaves · thicken wood
+//! Update     photosynthesise · pay upkeep · shed liabilities · share surplus
+//! Sense      gather scene and probes · look around · choose growth targets
+//! Finish     close the books · count the step
+//! ```
+//!
+//! [`grow`] runs [`GrowthStep`] as often as asked; it is not `FixedUpdate`, and no host ever catches up.
 
+mod birth;
+pub mod buds;
+pub mod energy;
+pub mod finish;
+pub mod generation;
+pub mod liabilities;
+pub mod nodes;
+pub mod sensing;
+pub mod share;
+pub mod shoots;
+pub mod vigour;
+pub mod wood;
+
+use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
+
+use finish::{StageTimes, time_stage};
+
+/// One growth step.
+#[derive(ScheduleLabel, Debug, Clone, PartialEq, Eq, Hash)]
+pub struct GrowthStep;
+
+/// The stages of a growth step, in order.
+#[derive(SystemSet, Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Stage {
+    /// Seeds open.
+    Germinate,
+    /// The tree generates new organs.
+    Generate,
+    /// It settles its energy.
+    Update,
+    /// It looks at light and space.
+    Sense,
+    /// The step is booked.
+    Finish,
+}
+
+/// Growth steps finished.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Eq, Default, Reflect)]
+#[reflect(Resource)]
+pub struct StepCount(pub u32);
 
 /// Which parts of the model run (figure 1 a to d of Lam & King), a resource.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Eq, Reflect, Serialize, Deserialize)]
@@ -19,5 +69,76 @@ pub struct Mechanisms {
 impl Default for Mechanisms {
     fn default() -> Self {
         Self { light: true, space: true, energy: true }
+    }
+}
+
+/// Adds the growth step to an app; it runs when the host calls [`grow`].
+pub struct GrowthPlugin;
+
+impl Plugin for GrowthPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<StepCount>()
+            .init_resource::<Mechanisms>()
+            .init_resource::<StageTimes>()
+            .init_resource::<nodes::FreshNodes>()
+            .init_resource::<generation::Condemned>()
+            .init_resource::<sensing::SensingJob>()
+            .init_resource::<Messages<generation::BudBroke>>()
+            .add_schedule(growth_step());
+    }
+}
+
+/// The growth step, stage by stage.
+fn growth_step() -> Schedule {
+    let mut step = Schedule::new(GrowthStep);
+    step.set_executor(SingleThreadedExecutor::new());
+    step.configure_sets(
+        (Stage::Germinate, Stage::Generate, Stage::Update, Stage::Sense, Stage::Finish).chain(),
+    );
+    step.add_systems((
+        (generation::open_books, generation::germinate, look_around.run_if(generation::any_germinated))
+            .chain()
+            .in_set(Stage::Germinate),
+        (
+            buds::wake_lateral_buds,
+            shoots::extend_shoots,
+            nodes::form_nodes,
+            nodes::unfold_leaves,
+            wood::thicken_wood,
+            generation::shed_condemned,
+            generation::derive_poses,
+            time_stage::<{ Stage::Generate as usize }>,
+        )
+            .chain()
+            .in_set(Stage::Generate),
+        (
+            energy::photosynthesise,
+            energy::pay_upkeep,
+            liabilities::shed_liabilities,
+            generation::shed_condemned,
+            share::share_surplus,
+            time_stage::<{ Stage::Update as usize }>,
+        )
+            .chain()
+            .in_set(Stage::Update),
+        (look_around, time_stage::<{ Stage::Sense as usize }>).chain().in_set(Stage::Sense),
+        (finish::close_books, finish::count_step).chain().in_set(Stage::Finish),
+    ));
+    step
+}
+
+/// The three parts of sensing; a live host may run the middle one on another thread.
+fn look_around(world: &mut World) {
+    sensing::gather_probes(world);
+    sensing::render_cube_maps(world);
+    sensing::choose_growth_targets(world);
+}
+
+/// Grows everything planted in the world by a number of steps.
+///
+/// The world needs [`BurgeonPlugins`](crate::BurgeonPlugins).
+pub fn grow(world: &mut World, steps: u32) {
+    for _ in 0..steps {
+        world.run_schedule(GrowthStep);
     }
 }

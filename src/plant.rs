@@ -3,6 +3,7 @@
 
 mod energy;
 mod identity;
+pub mod measure;
 mod organ;
 pub mod pose;
 mod roster;
@@ -16,8 +17,10 @@ pub use organ::{
     LateralBudState, Leaf, LeafState, Node, OrganKind, Pose,
 };
 pub use roster::{NO_PARENT, Roster};
-pub use shed::{PlantGone, remove_plant, shed};
-pub use snapshot::{OrganState, PlantRecord, Snapshot};
+pub(crate) use shed::shed_missing;
+pub use shed::{plants, shed};
+pub(crate) use snapshot::plant_transform;
+pub use snapshot::{OrganState, PlantRecord, Snapshot, restore};
 
 use std::sync::Arc;
 
@@ -31,7 +34,7 @@ use crate::species::Species;
 #[derive(Component, Debug, Clone, Reflect)]
 #[reflect(Component)]
 #[require(Transform, EnergyStore, EnergyLedger)]
-#[component(on_remove = shed::plant_removed)]
+#[component(on_add = shed::plant_added, on_remove = shed::plant_removed)]
 pub struct Plant {
     /// The kind of plant it is.
     #[reflect(ignore)]
@@ -44,5 +47,35 @@ impl Plant {
     /// A plant of a species, as a seed.
     pub fn new(species: impl Into<Arc<Species>>, seed: u64) -> Self {
         Self { species: species.into(), seed }
+    }
+}
+
+/// The resources and messages plants need, and their types for reflection.
+pub struct PlantPlugin;
+
+impl Plugin for PlantPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Roster>()
+            .init_resource::<Fallen>()
+            .init_resource::<Messages<OrganShed>>()
+            .register_type::<Plant>()
+            .register_type::<EnergyStore>()
+            .register_type::<EnergyLedger>()
+            .register_type::<Identity>()
+            .register_type::<GrowsFrom>()
+            .register_type::<Bears>()
+            .register_type::<GrowthSpan>()
+            .register_type::<Internode>()
+            .register_type::<Node>()
+            .register_type::<ApicalBud>()
+            .register_type::<LateralBud>()
+            .register_type::<Leaf>()
+            .register_type::<Exposure>()
+            .register_type::<Allotment>()
+            .register_type::<EnergyFlow>()
+            .register_type::<GrowthTarget>()
+            .register_type::<BranchOrder>()
+            .register_type::<Attachment>()
+            .register_type::<Pose>();
     }
 }

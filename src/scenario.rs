@@ -1,6 +1,8 @@
 //! What stands where: plants, walls, lamps, sky, ground, and the edits of a run.
 
 mod edit;
+mod garden;
+mod place;
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -10,7 +12,9 @@ use crate::environment::{Sky, SolidShape};
 use crate::growth::Mechanisms;
 use crate::species::parameter::Color;
 
-pub use edit::{Edit, EditError, EditOutcome, TimedEdit, apply};
+pub use edit::{Edit, EditError, EditOutcome, TimedEdit, apply, crush};
+pub use garden::{Garden, GardenError, GardenSave};
+pub use place::{RunSeed, SpeciesBook};
 
 /// A plant in its place.
 #[derive(Debug, Clone, PartialEq, Reflect, Serialize, Deserialize)]

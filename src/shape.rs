@@ -1,3 +1,9 @@
 //! Geometry from a [`Snapshot`](crate::plant::Snapshot): branch tubes, leaf surfaces, no rendering.
 
+pub mod foliage;
+pub mod leaves;
 pub mod outline;
+mod surface;
+pub mod tubes;
+
+pub use surface::Surface;

@@ -172,8 +172,6 @@ parameters! {
         pipe_exponent: f32 = 2.2, "", Range::real(1.0, 5.0);
         /// Radius of a stem that bears nothing yet.
         twig_radius_m: f32 = 0.006, "m", Range::real(0.0001, 1.0);
-        /// Turn of a stem towards the ground a step, per metre of lever and radius^-1: elastic sag that sets as wood.
-        sag: f32 = 0.0, "", Range::real(0.0, 10.0);
 
         // Steering
         /// Share of the sensed error corrected at each sub-step (Streit's kappa).

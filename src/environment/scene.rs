@@ -183,3 +183,26 @@ pub struct Scene {
     /// Height of the infinite ground, metres, if there is one.
     pub ground: Option<f32>,
 }
+
+impl SolidShape {
+    /// The shape at a [`Transform`]'s scale; balls and cylinders take the largest of what would make them oval.
+    pub fn scaled(self, scale: Vec3) -> Self {
+        let scale = scale.abs();
+        match self {
+            Self::Box { size } => Self::Box { size: size * scale },
+            Self::Ball { radius } => Self::Ball { radius: radius * scale.max_element() },
+            Self::Cylinder { radius, height } => {
+                Self::Cylinder { radius: radius * scale.x.max(scale.z), height: height * scale.y }
+            }
+        }
+    }
+
+    /// Its kind and sizes as bits, to sort by.
+    pub(super) fn bits(&self) -> [u32; 4] {
+        match *self {
+            Self::Box { size } => [0, size.x.to_bits(), size.y.to_bits(), size.z.to_bits()],
+            Self::Ball { radius } => [1, radius.to_bits(), 0, 0],
+            Self::Cylinder { radius, height } => [2, radius.to_bits(), height.to_bits(), 0],
+        }
+    }
+}

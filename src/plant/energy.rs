@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 pub struct EnergyStore {
     /// Energy stored.
     pub stored: f64,
-    /// Set once the seed has been opened and the first bud stands.
-    pub germinated: bool,
+    /// Step it germinated in, `None` while it is a seed.
+    pub germinated: Option<u32>,
 }
 
 /// One step's books of a plant: `opened + income = upkeep + growth + lost + closed` (`LK-12`).

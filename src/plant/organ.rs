@@ -28,6 +28,8 @@ pub struct Internode {
     pub height_since_node: f32,
     /// Length from the base of its axis to its tip, metres (the paper's accumulated height).
     pub height_in_branch: f32,
+    /// `radius` to the power of the species' pipe exponent: what it adds to the stem below.
+    pub pipe: f32,
     /// Steps in a row in which the axis that begins here earned too little for its wood.
     pub poor_steps: u32,
 }
@@ -130,10 +132,10 @@ pub struct EnergyFlow {
 }
 
 /// Where a bud will grow to, as found by the last sensing (`LK-15`).
-#[derive(Component, Debug, Clone, Copy, PartialEq, Reflect, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Copy, PartialEq, Default, Reflect, Serialize, Deserialize)]
 #[reflect(Component)]
 pub struct GrowthTarget {
-    /// Unit vector in world space.
+    /// Unit vector in world space; zero while the bud has not looked for one.
     pub heading: Vec3,
     /// Fitness of the chosen position.
     pub fitness: f32,

@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Allotment, ApicalBud, Attachment, BranchOrder, EnergyFlow, EnergyLedger, EnergyStore, Exposure,
-    GrowthSpan, GrowthTarget, Identity, Internode, LateralBud, Leaf, Lineage, NO_PARENT, Node, OrganKind,
+    GrowthSpan, GrowsFrom, GrowthTarget, Identity, Internode, LateralBud, Leaf, Lineage, NO_PARENT, Node, OrganKind,
     Plant, Pose, Roster,
 };
+use crate::growth::StepCount;
 use crate::species::Species;
 use crate::tropism::Steering;
 
@@ -19,9 +20,9 @@ pub enum OrganState {
     /// A stem segment, and the node it ends in if it does.
     Internode(Internode, Option<Node>),
     /// A growing tip.
-    ApicalBud(ApicalBud, Steering, Option<GrowthTarget>),
+    ApicalBud(ApicalBud, Steering, GrowthTarget),
     /// A side bud.
-    LateralBud(LateralBud),
+    LateralBud(LateralBud, GrowthTarget),
     /// A leaf.
     Leaf(Leaf),
 }
@@ -32,7 +33,7 @@ impl OrganState {
         match self {
             Self::Internode(..) => OrganKind::Internode,
             Self::ApicalBud(..) => OrganKind::ApicalBud,
-            Self::LateralBud(_) => OrganKind::LateralBud,
+            Self::LateralBud(..) => OrganKind::LateralBud,
             Self::Leaf(_) => OrganKind::Leaf,
         }
     }
@@ -53,8 +54,6 @@ pub struct PlantRecord {
     pub store: EnergyStore,
     /// Its books of the last step.
     pub ledger: EnergyLedger,
-    /// Step it was sown in.
-    pub sown: u32,
 }
 
 /// All plants of a world at the end of a step: structure of arrays in birth order, parents first.
@@ -64,6 +63,8 @@ pub struct PlantRecord {
 pub struct Snapshot {
     /// Steps grown.
     pub step: u32,
+    /// Birth number of the next organ.
+    pub next_birth: u32,
     /// Plants in the order of planting; gone ones leave `None`.
     pub plants: Vec<Option<PlantRecord>>,
     /// Birth number, strictly rising.
@@ -105,7 +106,160 @@ impl Snapshot {
 
     /// Takes a snapshot of a world.
     pub fn take(world: &World) -> Self {
-        let _ = world;
-        Self::default()
+        let Some(roster) = world.get_resource::<Roster>() else { return Self::default() };
+        let n = roster.len();
+        let mut shot = Self {
+            step: world.get_resource::<StepCount>().map_or(0, |s| s.0),
+            next_birth: roster.next_birth,
+            plants: roster.plants.iter().map(|p| p.and_then(|p| plant_record(world, p))).collect(),
+            birth: roster.birth.clone(),
+            parent: roster.parent.clone(),
+            plant: roster.plant.clone(),
+            lineage: Vec::with_capacity(n),
+            span: Vec::with_capacity(n),
+            order: Vec::with_capacity(n),
+            attachment: Vec::with_capacity(n),
+            pose: Vec::with_capacity(n),
+            exposure: Vec::with_capacity(n),
+            allotment: Vec::with_capacity(n),
+            flow: Vec::with_capacity(n),
+            state: Vec::with_capacity(n),
+        };
+        for i in 0..n {
+            // An organ despawned from outside stays in the roster until the next step sheds what it bore.
+            let organ = world.get_entity(roster.entity[i]).ok();
+            fn read<C: Component + Copy + Default>(organ: Option<EntityRef<'_>>) -> C {
+                organ.and_then(|o| o.get::<C>().copied()).unwrap_or_default()
+            }
+            shot.lineage.push(organ.and_then(|o| o.get::<Identity>().map(|id| id.lineage)).unwrap_or_default());
+            shot.span.push(read(organ));
+            shot.order.push(read::<BranchOrder>(organ).0);
+            shot.attachment.push(read::<Attachment>(organ).0);
+            shot.pose.push(read(organ));
+            shot.exposure.push(read(organ));
+            shot.allotment.push(read::<Allotment>(organ).0);
+            shot.flow.push(read(organ));
+            shot.state.push(match roster.kind[i] {
+                OrganKind::Internode => {
+                    OrganState::Internode(read(organ), organ.and_then(|o| o.get::<Node>().copied()))
+                }
+                OrganKind::ApicalBud => OrganState::ApicalBud(read(organ), read(organ), read(organ)),
+                OrganKind::LateralBud => OrganState::LateralBud(read(organ), read(organ)),
+                OrganKind::Leaf => OrganState::Leaf(read(organ)),
+            });
+        }
+        shot
     }
+
+    /// Length of organ `i`, metres; 0 for buds and leaves.
+    pub fn length(&self, i: usize) -> f32 {
+        match &self.state[i] {
+            OrganState::Internode(internode, _) => internode.length,
+            _ => 0.0,
+        }
+    }
+
+    /// A hash of every bit that growth depends on. Two trees are the same if and only if their hashes are.
+    ///
+    /// # Panics
+    /// Never: postcard writes to memory, and every type in a snapshot can be written.
+    pub fn hash(&self) -> u64 {
+        let bytes = postcard::to_stdvec(self).unwrap_or_default();
+        fnv1a(&bytes)
+    }
+}
+
+/// FNV-1a over eight bytes at a time.
+fn fnv1a(bytes: &[u8]) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    for chunk in bytes.chunks(8) {
+        let mut word = [0; 8];
+        word[..chunk.len()].copy_from_slice(chunk);
+        hash = (hash ^ u64::from_le_bytes(word)).wrapping_mul(0x0100_0000_01b3);
+        hash ^= hash >> 32;
+    }
+    hash ^ bytes.len() as u64
+}
+
+fn plant_record(world: &World, plant: Entity) -> Option<PlantRecord> {
+    let transform = plant_transform(world, plant);
+    Some(PlantRecord {
+        species: world.get::<Plant>(plant)?.species.clone(),
+        seed: world.get::<Plant>(plant)?.seed,
+        position: transform.translation,
+        rotation: transform.rotation,
+        store: *world.get::<EnergyStore>(plant)?,
+        ledger: *world.get::<EnergyLedger>(plant)?,
+    })
+}
+
+/// Where an entity stands in the world, through all its parents.
+pub(crate) fn plant_transform(world: &World, entity: Entity) -> Transform {
+    let mut transform = world.get::<Transform>(entity).copied().unwrap_or_default();
+    let mut at = entity;
+    while let Some(parent) = world.get::<ChildOf>(at) {
+        at = parent.parent();
+        if let Some(above) = world.get::<Transform>(at) {
+            transform = above.mul_transform(transform);
+        }
+    }
+    transform
+}
+
+/// Puts the organs of a snapshot back into a world that holds none.
+pub fn restore(world: &mut World, shot: &Snapshot) {
+    world.insert_resource(StepCount(shot.step));
+    let mut roster = Roster { next_birth: shot.next_birth, ..Default::default() };
+    for record in &shot.plants {
+        roster.plants.push(record.as_ref().map(|record| {
+            world
+                .spawn((
+                    Plant { species: record.species.clone(), seed: record.seed },
+                    Transform::from_translation(record.position).with_rotation(record.rotation),
+                    record.store,
+                    record.ledger,
+                ))
+                .id()
+        }));
+    }
+    for i in 0..shot.len() {
+        let Some(plant) = roster.plants[shot.plant[i] as usize] else { continue };
+        let parent = match shot.parent[i] {
+            NO_PARENT => plant,
+            p => roster.entity[p as usize],
+        };
+        let mut organ = world.spawn((
+            Identity { plant, birth: shot.birth[i], lineage: shot.lineage[i] },
+            GrowsFrom(parent),
+            shot.span[i],
+            BranchOrder(shot.order[i]),
+            Attachment(shot.attachment[i]),
+            shot.pose[i],
+            shot.flow[i],
+        ));
+        match shot.state[i] {
+            OrganState::Internode(internode, node) => {
+                organ.insert(internode);
+                if let Some(node) = node {
+                    organ.insert(node);
+                }
+            }
+            OrganState::ApicalBud(bud, steering, target) => {
+                organ.insert((bud, steering, target, shot.exposure[i], Allotment(shot.allotment[i])));
+            }
+            OrganState::LateralBud(bud, target) => {
+                organ.insert((bud, target, shot.exposure[i], Allotment(shot.allotment[i])));
+            }
+            OrganState::Leaf(leaf) => {
+                organ.insert((leaf, shot.exposure[i], Allotment(shot.allotment[i])));
+            }
+        }
+        let entity = organ.id();
+        roster.entity.push(entity);
+        roster.birth.push(shot.birth[i]);
+        roster.parent.push(shot.parent[i]);
+        roster.plant.push(shot.plant[i]);
+        roster.kind.push(shot.state[i].kind());
+    }
+    world.insert_resource(roster);
 }

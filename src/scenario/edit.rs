@@ -1,11 +1,19 @@
 //! The one way to change anything: [`Edit`].
 
+use std::sync::Arc;
+
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::place::{self, SpeciesBook};
 use super::{PlacedLamp, PlacedSolid, PlacedSun, Planting};
-use crate::environment::Sky;
+use crate::environment::obstacles::touches;
+use crate::environment::plugin::standing_solids;
+use crate::environment::{Lamp, Sky, Solid};
+use crate::files::parse_value;
 use crate::growth::Mechanisms;
+use crate::plant::{Cause, Identity, Internode, Lineage, Plant, Pose, Roster, plant_transform, shed};
+use crate::species::Species;
 
 /// A change to a garden.
 #[derive(Debug, Clone, PartialEq, Reflect, Serialize, Deserialize)]
@@ -132,6 +140,161 @@ pub enum EditError {
 ///
 /// # Errors
 /// [`EditError`] if what it names is not there or a value is out of range; nothing is changed then.
-pub fn apply(_world: &mut World, _edit: &Edit) -> Result<EditOutcome, EditError> {
-    todo!()
+pub fn apply(world: &mut World, edit: &Edit) -> Result<EditOutcome, EditError> {
+    let mut shed_count = 0;
+    match edit {
+        Edit::Plant(planting) => {
+            place::finite("at", planting.at)?;
+            let species = species_named(world, &planting.species)?;
+            place::sow(world, planting, species, world_seed(world));
+        }
+        Edit::PlaceSolid(solid) => {
+            place::finite("at", solid.at)?;
+            free_name(world, &solid.name)?;
+            place::set_solid(world, solid);
+            shed_count = crush(world);
+        }
+        Edit::PlaceLamp(lamp) => {
+            place::finite("at", lamp.at)?;
+            free_name(world, &lamp.name)?;
+            place::set_lamp(world, lamp);
+        }
+        Edit::Move { name, to, turn_deg } => {
+            place::finite("to", *to)?;
+            let entity = named(world, name)?;
+            if let Some(mut transform) = world.get_mut::<Transform>(entity) {
+                transform.translation = *to;
+                transform.rotation = Quat::from_rotation_y(turn_deg.to_radians());
+            }
+            shed_count = crush(world);
+        }
+        Edit::Switch { name, on } => {
+            let entity = named(world, name)?;
+            match world.get_mut::<Lamp>(entity) {
+                Some(mut lamp) => lamp.on = *on,
+                None => return Err(EditError::NoSuchName(name.clone())),
+            }
+        }
+        Edit::Remove { name } => {
+            let entity = named(world, name)?;
+            world.despawn(entity);
+        }
+        Edit::Prune { plant, lineage } => {
+            plant_entity(world, *plant)?;
+            let birth = birth_of(world, *plant, Lineage(*lineage))
+                .ok_or(EditError::NoSuchOrgan { plant: *plant, lineage: *lineage })?;
+            shed_count = shed(world, &[(birth, Cause::Pruned)]);
+        }
+        Edit::Top { plant, above } => {
+            let base = plant_entity(world, *plant)?;
+            let floor = plant_transform(world, base).translation.y + above;
+            let cut: Vec<(u32, Cause)> =
+                organs_of(world, *plant, |pose| pose.position.y >= floor).map(|b| (b, Cause::Pruned)).collect();
+            shed_count = shed(world, &cut);
+        }
+        Edit::Uproot { plant } => {
+            let entity = plant_entity(world, *plant)?;
+            shed_count = world.resource::<Roster>().plant.iter().filter(|p| **p == *plant).count();
+            world.despawn(entity);
+            world.flush();
+        }
+        Edit::Set { species, parameter, value } => set_parameter(world, species, parameter, value)?,
+        Edit::Sun(sun) => place::set_sun(world, *sun),
+        Edit::Sky(sky) => world.insert_resource(*sky),
+        Edit::Mechanisms(mechanisms) => world.insert_resource(*mechanisms),
+    }
+    Ok(EditOutcome { shed: shed_count })
+}
+
+/// Sheds all living wood, leaves and buds inside solids, with what they bear. Returns how many organs went.
+pub fn crush(world: &mut World) -> usize {
+    let mut query = world.query::<(&Solid, &Transform)>();
+    let solids = standing_solids(query.iter(world));
+    if solids.is_empty() {
+        return 0;
+    }
+    let roster = world.resource::<Roster>();
+    let mut crushed = Vec::new();
+    for i in 0..roster.len() {
+        let Some(pose) = world.get::<Pose>(roster.entity[i]) else { continue };
+        let (tip, radius) = world
+            .get::<Internode>(roster.entity[i])
+            .map_or((pose.position, 0.0), |wood| (pose.tip(wood.length), wood.radius));
+        if solids.iter().any(|solid| touches(solid, pose.position, tip, radius)) {
+            crushed.push((roster.birth[i], Cause::Crushed));
+        }
+    }
+    shed(world, &crushed)
+}
+
+fn world_seed(world: &World) -> u64 {
+    world.get_resource::<super::RunSeed>().map_or(0, |s| s.0)
+}
+
+fn species_named(world: &World, name: &str) -> Result<Arc<Species>, EditError> {
+    world
+        .get_resource::<SpeciesBook>()
+        .and_then(|book| book.0.get(name).cloned())
+        .ok_or_else(|| EditError::NoSuchSpecies(name.into()))
+}
+
+fn named_entities(world: &mut World) -> Vec<(Entity, String)> {
+    let mut query = world.query_filtered::<(Entity, &Name), Or<(With<Solid>, With<Lamp>)>>();
+    query.iter(world).map(|(entity, name)| (entity, name.to_string())).collect()
+}
+
+fn named(world: &mut World, name: &str) -> Result<Entity, EditError> {
+    named_entities(world)
+        .into_iter()
+        .find(|(_, n)| n == name)
+        .map(|(entity, _)| entity)
+        .ok_or_else(|| EditError::NoSuchName(name.into()))
+}
+
+fn free_name(world: &mut World, name: &str) -> Result<(), EditError> {
+    match named(world, name) {
+        Ok(_) => Err(EditError::NameTaken(name.into())),
+        Err(_) => Ok(()),
+    }
+}
+
+fn plant_entity(world: &World, plant: u32) -> Result<Entity, EditError> {
+    world
+        .resource::<Roster>()
+        .plants
+        .get(plant as usize)
+        .copied()
+        .flatten()
+        .ok_or(EditError::NoSuchPlant(plant))
+}
+
+fn birth_of(world: &World, plant: u32, lineage: Lineage) -> Option<u32> {
+    let roster = world.resource::<Roster>();
+    (0..roster.len())
+        .filter(|&i| roster.plant[i] == plant)
+        .find(|&i| world.get::<Identity>(roster.entity[i]).is_some_and(|id| id.lineage == lineage))
+        .map(|i| roster.birth[i])
+}
+
+fn organs_of(world: &World, plant: u32, chosen: impl Fn(&Pose) -> bool) -> impl Iterator<Item = u32> {
+    let roster = world.resource::<Roster>();
+    (0..roster.len())
+        .filter(move |&i| roster.plant[i] == plant && world.get::<Pose>(roster.entity[i]).is_some_and(&chosen))
+        .map(|i| roster.birth[i])
+}
+
+fn set_parameter(world: &mut World, species: &str, parameter: &str, value: &str) -> Result<(), EditError> {
+    let mut changed = Species::clone(&*species_named(world, species)?);
+    changed.set(parameter, &parse_value(value))?;
+    let changed = Arc::new(changed);
+    let plants: Vec<Entity> = world.resource::<Roster>().plants.iter().flatten().copied().collect();
+    for plant in plants {
+        if let Some(mut plant) = world.get_mut::<Plant>(plant)
+            && plant.species.name == species
+        {
+            plant.species = changed.clone();
+        }
+    }
+    world.resource_mut::<SpeciesBook>().0.insert(species.into(), changed);
+    Ok(())
 }

@@ -1,0 +1,591 @@
+//! Rays through a [`Scene`]: what they meet first, and whether they meet anything.
+//!
+//! A [`Tracer`] is built afresh from a scene (about 1 ms for 5,000 occluders) and never edited. The tree of
+//! boxes under it is built by obvhs; no other file knows obvhs or its vector types. The infinite ground needs
+//! no box: it is tested by itself.
+//!
+//! # What hides what
+//!
+//! *An organ never hides itself nor its own bud.* A ray does not see the organs it is told to be `blind` to
+//! (the prober and the internode it sits on), nor any wood that encloses its own origin (the joint a bud or
+//! leaf grows from). Nothing else is skipped. In particular a solid hides everything from a point inside it,
+//! and underground it is dark.
+//!
+//! Of equal depths the lowest birth is seen; then lamps, solids and the ground, in this order (`LK-13`). The
+//! answers are those of testing every occluder in turn: they do not depend on the tree of boxes.
+
+mod form;
+mod packet;
+
+use bevy::math::Vec3;
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::builder::build_bvh2;
+use smallvec::SmallVec;
+
+use super::scene::Scene;
+use form::Form;
+pub use packet::Texel;
+pub(crate) use packet::{FaceRays, Frame};
+
+/// A point this little below the ground still counts as on it, metres.
+const GROUND_SKIN: f32 = 1e-3;
+/// Farther than this from the origin nothing is seen, metres: squares of distances stay finite.
+const FARTHEST: f32 = 1e12;
+/// Birth of things that were never born.
+const UNBORN: u32 = u32::MAX;
+
+/// What a ray met.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Seen {
+    /// Nothing.
+    Sky,
+    /// The infinite ground.
+    Ground,
+    /// A solid, by its index in the scene.
+    Solid(u32),
+    /// A lamp, burning or not, by its index in the scene.
+    Lamp(u32),
+    /// Wood, by its index in the scene's capsules.
+    Wood(u32),
+    /// A leaf, by its index in the scene's leaves.
+    Leaf(u32),
+}
+
+/// Where a ray met something.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Distance in units of the ray direction's length; infinite for the sky.
+    pub t: f32,
+    /// What was met.
+    pub seen: Seen,
+    /// Unit normal of the surface, turned to the ray's origin; zero for the sky.
+    pub normal: Vec3,
+}
+
+impl Hit {
+    const SKY: Self = Self { t: f32::INFINITY, seen: Seen::Sky, normal: Vec3::ZERO };
+}
+
+/// An occluder in the order of the boxes.
+#[derive(Debug, Clone, Copy)]
+struct Item {
+    form: Form,
+    seen: Seen,
+    /// Birth of the organ, or [`UNBORN`].
+    birth: u32,
+}
+
+impl Item {
+    /// Of equal depths the lowest is seen.
+    fn rank(&self) -> (u32, u8, u32) {
+        match self.seen {
+            Seen::Wood(i) => (self.birth, 0, i),
+            Seen::Leaf(i) => (self.birth, 1, i),
+            Seen::Lamp(i) => (self.birth, 2, i),
+            Seen::Solid(i) => (self.birth, 3, i),
+            Seen::Ground | Seen::Sky => (self.birth, 4, 0),
+        }
+    }
+
+    fn is_wood(&self) -> bool {
+        matches!(self.seen, Seen::Wood(_))
+    }
+
+    /// Whether a ray from `origin` passes as if this were not there.
+    fn is_unseen_from(&self, origin: Vec3, blind: &[u32]) -> bool {
+        (self.birth != UNBORN && blind.contains(&self.birth))
+            || (self.is_wood() && self.form.encloses(origin))
+    }
+
+    /// Distance to the surface; 0 inside solids and lamps. The origin is not in wood.
+    #[inline]
+    fn distance(&self, origin: Vec3, d: Vec3, dd: f32) -> Option<f32> {
+        match self.form.entry(origin, d, dd) {
+            None if !self.is_wood() && self.form.encloses(origin) => Some(0.0),
+            t => t,
+        }
+    }
+}
+
+/// A box of the tree: `count` items from `first`, or if `count` is 0 the two boxes at `first`.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    min: [f32; 3],
+    first: u32,
+    max: [f32; 3],
+    count: u32,
+}
+
+type Stack = SmallVec<[(u32, f32); 64]>;
+
+/// A scene made ready for rays.
+#[derive(Debug, Clone)]
+pub struct Tracer<'a> {
+    scene: &'a Scene,
+    nodes: Vec<Node>,
+    items: Vec<Item>,
+}
+
+impl<'a> Tracer<'a> {
+    /// Makes a scene ready. Occluders without extent or with numbers that are not finite are left out.
+    pub fn build(scene: &'a Scene) -> Self {
+        let items = gather(scene);
+        let boxes: Vec<Aabb> = items.iter().map(|item| padded(&item.form)).collect();
+        let mut took = std::time::Duration::ZERO;
+        let params = BvhBuildParams { max_prims_per_leaf: 1, ..BvhBuildParams::fast_build() };
+        let bvh = build_bvh2(&boxes, params, &mut took);
+        let nodes = bvh
+            .nodes
+            .iter()
+            .map(|node| Node {
+                min: node.aabb().min.into(),
+                first: node.first_index,
+                max: node.aabb().max.into(),
+                count: node.prim_count,
+            })
+            .collect();
+        let items = bvh.primitive_indices.iter().map(|&i| items[i as usize]).collect();
+        Self { scene, nodes, items }
+    }
+
+    /// The scene it was built from.
+    pub fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
+    /// Birth number of what was seen, if it is an organ.
+    pub fn birth(&self, seen: Seen) -> Option<u32> {
+        match seen {
+            Seen::Wood(i) => self.scene.capsules.get(i as usize).map(|capsule| capsule.organ),
+            Seen::Leaf(i) => self.scene.leaves.get(i as usize).map(|leaf| leaf.organ),
+            Seen::Sky | Seen::Ground | Seen::Solid(_) | Seen::Lamp(_) => None,
+        }
+    }
+
+    /// Whether what was seen is a light: sky, or a burning lamp.
+    pub fn is_light(&self, seen: Seen) -> bool {
+        match seen {
+            Seen::Sky => true,
+            Seen::Lamp(i) => self.scene.lamps.get(i as usize).is_some_and(|standing| standing.lamp.on),
+            Seen::Ground | Seen::Solid(_) | Seen::Wood(_) | Seen::Leaf(_) => false,
+        }
+    }
+
+    /// The first thing met within `tmax`, in units of `direction`'s length; the sky if there is none or if
+    /// the ray is not finite.
+    pub fn closest(&self, origin: Vec3, direction: Vec3, tmax: f32, blind: &[u32]) -> Hit {
+        let dd = direction.length_squared();
+        if !usable(origin, dd) {
+            return Hit::SKY;
+        }
+        let mut best = self.ground(origin, direction).filter(|&t| t <= tmax);
+        let mut found: Option<&Item> = None;
+        self.visit(origin, direction, best.unwrap_or(tmax), |item, reach| {
+            if let Some(t) = item.distance(origin, direction, dd)
+                && (t < *reach || (t == *reach && found.is_none_or(|other| item.rank() < other.rank())))
+                && !item.is_unseen_from(origin, blind)
+            {
+                (best, found, *reach) = (Some(t), Some(item), t);
+            }
+            false
+        });
+        let Some(t) = best else {
+            return Hit::SKY;
+        };
+        let (seen, normal) = match found {
+            None => (Seen::Ground, Vec3::Y),
+            Some(item) => (item.seen, item.form.normal(origin + direction * t)),
+        };
+        let normal = if normal.dot(direction) > 0.0 { -normal } else { normal };
+        Hit { t, seen, normal }
+    }
+
+    /// Whether wood, leaf, solid, ground or a lamp that is off stands within `tmax`, in units of
+    /// `direction`'s length. Burning lamps hide nothing.
+    pub fn occluded(&self, origin: Vec3, direction: Vec3, tmax: f32, blind: &[u32]) -> bool {
+        let dd = direction.length_squared();
+        if !usable(origin, dd) {
+            return false;
+        }
+        if self.ground(origin, direction).is_some_and(|t| t <= tmax) {
+            return true;
+        }
+        self.visit(origin, direction, tmax, |item, reach| {
+            let burning = matches!(item.seen, Seen::Lamp(_)) && self.is_light(item.seen);
+            !burning
+                && item.distance(origin, direction, dd).is_some_and(|t| t <= *reach)
+                && !item.is_unseen_from(origin, blind)
+        })
+    }
+
+    /// Whether a point is underground or inside a solid: dark, and no place to grow to.
+    pub fn is_buried(&self, point: Vec3) -> bool {
+        self.scene.ground.is_some_and(|ground| point.y < ground - GROUND_SKIN)
+            || self.around(point, |item| matches!(item.seen, Seen::Solid(_)))
+    }
+
+    /// Whether a shoot from `origin` could not end at `point`: it would be underground, behind or in a
+    /// solid, or in wood that it neither starts in nor is blind to.
+    pub(crate) fn is_barred(&self, origin: Vec3, point: Vec3, blind: &[u32]) -> bool {
+        let way = point - origin;
+        let dd = way.length_squared();
+        self.is_buried(point)
+            || self.around(point, |item| item.is_wood() && !item.is_unseen_from(origin, blind))
+            || (usable(origin, dd)
+                && self.visit(origin, way, 1.0, |item, reach| {
+                    matches!(item.seen, Seen::Solid(_))
+                        && item.distance(origin, way, dd).is_some_and(|t| t <= *reach)
+                }))
+    }
+
+    /// Unit normal of a flat thing at a point of its surface; `None` for wood, lamps and the sky.
+    pub(crate) fn flat_normal(&self, seen: Seen, point: Vec3) -> Option<Vec3> {
+        match seen {
+            Seen::Ground => Some(Vec3::Y),
+            Seen::Leaf(i) => {
+                let leaf = self.scene.leaves.get(i as usize)?;
+                leaf.midrib.cross(leaf.across).try_normalize()
+            }
+            Seen::Solid(i) => Form::solid(self.scene.solids.get(i as usize)?)?.normal(point).try_normalize(),
+            Seen::Wood(_) | Seen::Lamp(_) | Seen::Sky => None,
+        }
+    }
+
+    /// Whether a form that encloses the point meets a condition.
+    fn around(&self, point: Vec3, condition: impl Fn(&Item) -> bool) -> bool {
+        let mut stack: SmallVec<[u32; 64]> = SmallVec::new();
+        stack.extend((!self.nodes.is_empty()).then_some(0));
+        while let Some(index) = stack.pop() {
+            let node = &self.nodes[index as usize];
+            if !(0..3).all(|k| (node.min[k]..=node.max[k]).contains(&point[k])) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.extend([node.first, node.first + 1]);
+                continue;
+            }
+            let items = &self.items[node.first as usize..(node.first + node.count) as usize];
+            if items.iter().any(|item| condition(item) && item.form.encloses(point)) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Distance to the ground.
+    fn ground(&self, origin: Vec3, d: Vec3) -> Option<f32> {
+        let height = origin.y - self.scene.ground?;
+        if height < -GROUND_SKIN {
+            Some(0.0)
+        } else if d.y < 0.0 {
+            Some((height.max(0.0) / -d.y).min(FARTHEST))
+        } else {
+            None
+        }
+    }
+
+    /// Shows every item whose box the ray meets within `reach`, nearer boxes first, until told to stop.
+    fn visit<'b>(
+        &'b self,
+        o: Vec3,
+        d: Vec3,
+        reach: f32,
+        mut test: impl FnMut(&'b Item, &mut f32) -> bool,
+    ) -> bool {
+        let o = o.to_array();
+        let inverse = d.to_array().map(|x| if x.abs() < 1e-18 { 1e18_f32.copysign(x) } else { 1.0 / x });
+        let mut reach = reach;
+        let mut stack = Stack::new();
+        if let Some(t) = self.nodes.first().and_then(|root| root.enter(&o, &inverse)) {
+            stack.push((0, t));
+        }
+        while let Some((index, t)) = stack.pop() {
+            if t > reach {
+                continue;
+            }
+            let node = &self.nodes[index as usize];
+            let first = node.first as usize;
+            if node.count > 0 {
+                for item in &self.items[first..first + node.count as usize] {
+                    if test(item, &mut reach) {
+                        return true;
+                    }
+                }
+                continue;
+            }
+            let (left, right) = (node.first, node.first + 1);
+            let left = self.nodes[left as usize].enter(&o, &inverse).map(|t| (left, t));
+            let right = self.nodes[right as usize].enter(&o, &inverse).map(|t| (right, t));
+            match (left, right) {
+                (Some(a), Some(b)) if a.1 <= b.1 => stack.extend([b, a]),
+                (Some(a), Some(b)) => stack.extend([a, b]),
+                (one, other) => stack.extend(one.or(other)),
+            }
+        }
+        false
+    }
+}
+
+impl Node {
+    /// Where a ray enters the box.
+    #[inline]
+    fn enter(&self, o: &[f32; 3], inverse: &[f32; 3]) -> Option<f32> {
+        let (mut near, mut far) = (0.0_f32, f32::INFINITY);
+        for k in 0..3 {
+            let a = (self.min[k] - o[k]) * inverse[k];
+            let b = (self.max[k] - o[k]) * inverse[k];
+            near = near.max(a.min(b));
+            far = far.min(a.max(b));
+        }
+        // The factor outweighs the rounding of both ends.
+        (near <= far * 1.000_001).then_some(near)
+    }
+}
+
+fn usable(origin: Vec3, dd: f32) -> bool {
+    origin.is_finite() && dd.is_finite() && dd > 0.0
+}
+
+fn gather(scene: &Scene) -> Vec<Item> {
+    let wood = scene
+        .capsules
+        .iter()
+        .enumerate()
+        .map(|(i, capsule)| (Form::wood(capsule), Seen::Wood(i as u32), capsule.organ));
+    let leaves =
+        scene.leaves.iter().enumerate().map(|(i, leaf)| (Form::leaf(leaf), Seen::Leaf(i as u32), leaf.organ));
+    let lamps = scene.lamps.iter().enumerate().map(|(i, standing)| {
+        (Form::ball(standing.position, standing.lamp.radius), Seen::Lamp(i as u32), UNBORN)
+    });
+    let solids =
+        scene.solids.iter().enumerate().map(|(i, solid)| (Form::solid(solid), Seen::Solid(i as u32), UNBORN));
+    wood.chain(leaves)
+        .chain(lamps)
+        .chain(solids)
+        .filter_map(|(form, seen, birth)| Some(Item { form: form?, seen, birth }))
+        .collect()
+}
+
+/// A form's box, a little larger: flat leaves get a thickness, and rounding never loses a hit.
+fn padded(form: &Form) -> Aabb {
+    let (min, max) = form.bounds();
+    let pad = 1e-6 + 1e-6 * min.abs().max(max.abs()).max_element();
+    let limit = Vec3::splat(FARTHEST);
+    let (min, max) = ((min - pad).clamp(-limit, limit), (max + pad).clamp(-limit, limit));
+    Aabb::new(min.to_array().into(), max.to_array().into())
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::Quat;
+
+    use super::*;
+    use crate::environment::scene::{Capsule, Lamp, LeafPatch, SolidShape, StandingLamp, StandingSolid};
+    use crate::shape::outline::LeafOutline;
+
+    fn rod(from: Vec3, to: Vec3, radius: f32, organ: u32) -> Capsule {
+        Capsule { from, to, radius, organ, plant: 0 }
+    }
+
+    fn leaf(base: Vec3, midrib: Vec3, across: Vec3, organ: u32) -> LeafPatch {
+        LeafPatch { base, midrib, across, outline: LeafOutline::Elliptic, organ, plant: 0 }
+    }
+
+    fn solid(shape: SolidShape, position: Vec3, rotation: Quat) -> StandingSolid {
+        StandingSolid { shape, position, rotation, color: [0.5; 3] }
+    }
+
+    fn lamp(position: Vec3, radius: f32, on: bool) -> StandingLamp {
+        StandingLamp { lamp: Lamp { strength: 1.0, radius, on, color: [1.0; 3] }, position }
+    }
+
+    /// Numbers 0..1 that look random.
+    fn noise(seed: &mut u32) -> f32 {
+        *seed = seed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        (*seed >> 8) as f32 / (1 << 24) as f32
+    }
+
+    fn jumble(count: usize) -> Scene {
+        let mut seed = 7;
+        let mut point = |scale: f32| {
+            Vec3::new(noise(&mut seed) - 0.5, noise(&mut seed) - 0.5, noise(&mut seed) - 0.5) * scale
+        };
+        let mut scene = Scene { ground: Some(-2.0), ..Scene::default() };
+        for i in 0..count as u32 {
+            let at = point(4.0);
+            scene.capsules.push(rod(at, at + point(0.6), 0.01 + 0.02 * (i % 3) as f32, 2 * i));
+            let midrib = point(0.4);
+            let across = midrib.any_orthogonal_vector() * 0.4;
+            scene.leaves.push(leaf(point(4.0), midrib, across, 2 * i + 1));
+        }
+        let turn = Quat::from_xyzw(0.1, 0.5, -0.3, 0.8).normalize();
+        scene.solids = vec![
+            solid(SolidShape::Box { size: Vec3::new(0.5, 1.0, 0.2) }, Vec3::new(1.0, 0.5, -1.0), turn),
+            solid(SolidShape::Ball { radius: 0.4 }, Vec3::new(-1.0, 0.5, 1.0), turn),
+            solid(SolidShape::Cylinder { radius: 0.3, height: 1.2 }, Vec3::new(-1.2, 0.0, -1.0), turn),
+        ];
+        scene.lamps =
+            vec![lamp(Vec3::new(0.5, 1.5, 0.5), 0.2, true), lamp(Vec3::new(1.5, 0.0, 1.5), 0.2, false)];
+        scene
+    }
+
+    /// Every occluder tested in turn.
+    fn in_turn(scene: &Scene, origin: Vec3, d: Vec3, blind: &[u32]) -> (f32, Seen) {
+        let tracer = Tracer { scene, nodes: Vec::new(), items: Vec::new() };
+        let ground = tracer.ground(origin, d).map(|t| (t, (UNBORN, 9, 0), Seen::Ground));
+        gather(scene)
+            .iter()
+            .filter(|item| !item.is_unseen_from(origin, blind))
+            .filter_map(|item| Some((item.distance(origin, d, d.length_squared())?, item.rank(), item.seen)))
+            .chain(ground)
+            .min_by(|a, b| (a.0, a.1).partial_cmp(&(b.0, b.1)).unwrap())
+            .map_or((f32::INFINITY, Seen::Sky), |(t, _, seen)| (t, seen))
+    }
+
+    #[test]
+    fn nothing_is_lost_in_the_boxes() {
+        let scene = jumble(60);
+        let tracer = Tracer::build(&scene);
+        let mut seed = 99;
+        let mut unit = || noise(&mut seed) - 0.5;
+        for _ in 0..3000 {
+            let origin = Vec3::new(unit(), unit(), unit()) * 5.0;
+            let d = Vec3::new(unit(), unit(), unit());
+            let hit = tracer.closest(origin, d, f32::INFINITY, &[3]);
+            assert_eq!((hit.t, hit.seen), in_turn(&scene, origin, d, &[3]));
+            let hidden = hit.seen != Seen::Sky;
+            if !matches!(hit.seen, Seen::Lamp(_)) {
+                assert_eq!(tracer.occluded(origin, d, f32::INFINITY, &[3]), hidden);
+            }
+            assert!(hit.seen == Seen::Sky || hit.normal.dot(d) <= 0.0);
+        }
+    }
+
+    #[test]
+    fn lk_13_of_equal_depths_the_lowest_birth_is_seen() {
+        let twins = [9, 4, 7].map(|organ| leaf(Vec3::Z, Vec3::X, Vec3::Y * 0.5, organ));
+        for turn in 0..3 {
+            let mut leaves = twins.to_vec();
+            leaves.rotate_left(turn);
+            let scene = Scene { leaves, ..Scene::default() };
+            let tracer = Tracer::build(&scene);
+            let hit = tracer.closest(Vec3::X * 0.5, Vec3::Z, f32::INFINITY, &[]);
+            assert_eq!(tracer.birth(hit.seen), Some(4));
+            assert_eq!(hit.t, 1.0);
+        }
+    }
+
+    #[test]
+    fn an_organ_never_hides_itself_nor_its_own_bud() {
+        // A bud on the tip of internode 1, in the rounded joint of internode 2, under leaf 3.
+        let scene = Scene {
+            capsules: vec![rod(Vec3::ZERO, Vec3::Y, 0.1, 1), rod(Vec3::Y, Vec3::new(0.0, 1.5, 0.5), 0.1, 2)],
+            leaves: vec![leaf(Vec3::new(-0.5, 1.2, 0.0), Vec3::X, Vec3::Z * 0.4, 3)],
+            ..Scene::default()
+        };
+        let tracer = Tracer::build(&scene);
+        let see = |d, blind: &[u32]| tracer.birth(tracer.closest(Vec3::Y, d, f32::INFINITY, blind).seen);
+        assert_eq!(see(Vec3::Y, &[1]), Some(3));
+        assert_eq!(see(Vec3::Y, &[1, 3]), None);
+        assert_eq!(see(Vec3::NEG_Y, &[]), None);
+        assert_eq!(see(Vec3::new(0.0, 1.0, 1.0), &[3]), None);
+        assert!(tracer.occluded(Vec3::Y, Vec3::Y, 1.0, &[]));
+        assert!(!tracer.occluded(Vec3::Y, Vec3::Y, 1.0, &[3]));
+        assert!(!tracer.occluded(Vec3::Y, Vec3::Y, 0.1, &[]));
+    }
+
+    #[test]
+    fn inside_a_solid_and_underground_it_is_dark() {
+        for shape in [
+            SolidShape::Box { size: Vec3::ONE },
+            SolidShape::Ball { radius: 0.5 },
+            SolidShape::Cylinder { radius: 0.5, height: 1.0 },
+        ] {
+            let scene = Scene {
+                solids: vec![solid(shape, Vec3::ZERO, Quat::IDENTITY)],
+                ground: Some(-5.0),
+                ..Scene::default()
+            };
+            let tracer = Tracer::build(&scene);
+            for d in [Vec3::X, Vec3::Y, Vec3::new(-0.3, -0.2, 0.9)] {
+                let hit = tracer.closest(Vec3::splat(0.1), d, 100.0, &[]);
+                assert_eq!((hit.t, hit.seen), (0.0, Seen::Solid(0)));
+                let hit = tracer.closest(Vec3::new(3.0, -6.0, 0.0), d, 100.0, &[]);
+                assert_eq!((hit.t, hit.seen), (0.0, Seen::Ground));
+            }
+            assert!(tracer.is_buried(Vec3::ZERO) && tracer.is_buried(Vec3::Y * -6.0));
+            assert!(!tracer.is_buried(Vec3::Y));
+        }
+    }
+
+    #[test]
+    fn burning_lamps_are_seen_but_hide_nothing() {
+        for on in [true, false] {
+            let scene = Scene { lamps: vec![lamp(Vec3::Y * 3.0, 0.5, on)], ..Scene::default() };
+            let tracer = Tracer::build(&scene);
+            let hit = tracer.closest(Vec3::ZERO, Vec3::Y, f32::INFINITY, &[]);
+            assert_eq!((hit.t, hit.seen), (2.5, Seen::Lamp(0)));
+            assert_eq!(tracer.is_light(hit.seen), on);
+            assert_eq!(tracer.occluded(Vec3::ZERO, Vec3::Y, 10.0, &[]), !on);
+        }
+    }
+
+    #[test]
+    fn thin_wood_far_away_is_met() {
+        let scene = Scene { capsules: vec![rod(Vec3::NEG_X, Vec3::X, 0.001, 0)], ..Scene::default() };
+        let tracer = Tracer::build(&scene);
+        let origin = Vec3::new(30.0, 40.0, 20.0);
+        let hit = tracer.closest(origin, (Vec3::X * 0.3 - origin).normalize(), f32::INFINITY, &[]);
+        assert_eq!(hit.seen, Seen::Wood(0));
+        let past = Vec3::new(0.3, 0.01, 0.0) - origin;
+        assert_eq!(tracer.closest(origin, past.normalize(), f32::INFINITY, &[]).seen, Seen::Sky);
+    }
+
+    #[test]
+    fn occluders_without_extent_or_not_finite_are_left_out() {
+        let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0];
+        let mut scene = jumble(1);
+        scene.ground = None;
+        for x in bad {
+            scene.capsules.push(rod(Vec3::splat(x), Vec3::Y, x, 5));
+            scene.capsules.push(rod(Vec3::ZERO, Vec3::ZERO, x, 5));
+            scene.leaves.push(leaf(Vec3::ZERO, Vec3::splat(x), Vec3::X, 6));
+            scene.leaves.push(leaf(Vec3::splat(x), Vec3::Y, Vec3::ZERO, 6));
+            scene.lamps.push(lamp(Vec3::splat(x), x, true));
+            scene.solids.push(solid(SolidShape::Ball { radius: x }, Vec3::ZERO, Quat::IDENTITY));
+            scene.solids.push(solid(SolidShape::Box { size: Vec3::splat(x) }, Vec3::ZERO, Quat::IDENTITY));
+        }
+        assert_eq!(gather(&scene).len(), gather(&jumble(1)).len());
+        let tracer = Tracer::build(&scene);
+        for x in bad {
+            let hit = tracer.closest(Vec3::splat(x), Vec3::splat(x), x, &[]);
+            assert_eq!(hit, Hit::SKY);
+            assert!(!tracer.occluded(Vec3::splat(x), Vec3::splat(x), x, &[]));
+        }
+        let empty = Scene::default();
+        assert_eq!(Tracer::build(&empty).closest(Vec3::ZERO, Vec3::X, f32::INFINITY, &[]), Hit::SKY);
+        // A piece of no length is a ball.
+        let dot = Scene { capsules: vec![rod(Vec3::X, Vec3::X, 0.25, 0)], ..Scene::default() };
+        assert_eq!(Tracer::build(&dot).closest(Vec3::ZERO, Vec3::X, f32::INFINITY, &[]).t, 0.75);
+    }
+
+    #[test]
+    fn a_face_at_once_sees_what_single_rays_see() {
+        let scene = jumble(80);
+        let tracer = Tracer::build(&scene);
+        let frame = Frame { right: (2, -1.0), up: (1, 1.0), forward: (0, -1.0) };
+        let mut texels = Vec::new();
+        for size in [1, 3, 8, 13] {
+            let rays = FaceRays::new(frame, size);
+            for origin in [Vec3::ZERO, Vec3::new(1.0, 0.5, -1.0), Vec3::new(2.5, 0.1, 0.3), Vec3::Y * -3.0] {
+                texels.clear();
+                tracer.face(&rays, origin, &[2, 5], &mut texels);
+                for (texel, &d) in texels.iter().zip(&rays.directions) {
+                    let hit = tracer.closest(origin, d, f32::INFINITY, &[2, 5]);
+                    assert_eq!((texel.depth, texel.seen), (hit.t, hit.seen));
+                }
+            }
+        }
+    }
+}

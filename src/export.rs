@@ -1,0 +1,10 @@
+//! What leaves a run: pictures, films, models and tables.
+
+pub mod canvas;
+mod error;
+pub mod film;
+pub mod gltf;
+pub mod picture;
+pub mod tables;
+
+pub use error::ExportError;

@@ -1,0 +1,136 @@
+//! Surfaces: the colour of a point of bark, leaf, wall or ground, before any light falls on it.
+
+use bevy::math::ops;
+use bevy::prelude::*;
+
+use super::look::Palette;
+use super::noise::{fract, hash, mix, rough, smooth, unit, value};
+use crate::environment::trace::{Hit, Seen};
+use crate::environment::{LeafPatch, Scene, SolidShape, StandingSolid};
+
+/// How light leaves a surface.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surface {
+    /// Share of light thrown back, linear RGB.
+    pub(super) color: Vec3,
+    /// Share of light let through from behind, linear RGB.
+    pub(super) through: Vec3,
+    /// Which way it faces for shading, turned to the viewer.
+    pub(super) normal: Vec3,
+    /// Sheen at grazing view.
+    pub(super) sheen: f32,
+}
+
+impl Surface {
+    fn matt(color: Vec3, normal: Vec3) -> Self {
+        Self { color, through: Vec3::ZERO, normal, sheen: 0.0 }
+    }
+
+    /// The surface met by a ray of direction `d` at `point`; `footprint` is the width of a pixel there, metres.
+    pub(super) fn at(
+        scene: &Scene,
+        palette: &Palette,
+        hit: &Hit,
+        point: Vec3,
+        d: Vec3,
+        footprint: f32,
+    ) -> Self {
+        match hit.seen {
+            Seen::Wood(i) => {
+                let wood = &scene.capsules[i as usize];
+                bark(palette.plant(wood.plant).bark, point, wood.radius, hit.normal)
+            }
+            Seen::Leaf(i) => {
+                let patch = &scene.leaves[i as usize];
+                leaf(palette.plant(patch.plant).leaf, patch, point, d, hit.normal)
+            }
+            Seen::Solid(i) => wall(&scene.solids[i as usize], point, hit.normal, footprint),
+            Seen::Lamp(_) => Self::matt(Vec3::new(0.55, 0.53, 0.48), hit.normal),
+            Seen::Ground | Seen::Sky => Self::matt(meadow(palette, point, footprint), hit.normal),
+        }
+    }
+}
+
+/// Bark: furrows along the stem, patches of paler crust.
+fn bark(color: Vec3, point: Vec3, radius: f32, normal: Vec3) -> Surface {
+    // Furrows are as far apart as the stem is stout, within what bark does.
+    let grain = 1.0 / (radius * 0.35).clamp(0.006, 0.05);
+    let furrow = value(point * Vec3::new(grain, grain * 0.18, grain));
+    let crust = rough(point * (grain * 0.35) + Vec3::splat(9.1), 2);
+    let shade = 0.62 + 0.5 * smooth(0.2, 0.6, furrow) + 0.25 * (crust - 0.5);
+    let warm = Vec3::new(1.0 + 0.10 * (crust - 0.5), 1.0, 1.0 - 0.12 * (crust - 0.5));
+    Surface::matt(color * warm * shade, normal)
+}
+
+/// A leaf: folded a little at the midrib, paler along it, no two quite alike.
+fn leaf(color: Vec3, patch: &LeafPatch, point: Vec3, d: Vec3, normal: Vec3) -> Surface {
+    let h = hash(patch.organ ^ patch.plant.wrapping_mul(0x0100_0193));
+    let (a, b) = (unit(h) - 0.5, unit(mix(h, 1)) - 0.5);
+    // Real leaves are greyer than their names: wax and dust.
+    let color = color.lerp(Vec3::splat(color.element_sum() / 3.0), 0.10) * 1.12;
+    let own = color * (1.0 + 0.34 * a) * Vec3::new(1.0 + 0.30 * b, 1.0, 1.0 - 0.25 * b);
+
+    let off = point - patch.base;
+    let side = off.dot(patch.across) / patch.across.length_squared().max(1e-12);
+    let rib = 1.0 - smooth(0.03, 0.10, side.abs());
+    let fold = patch.across.normalize_or_zero() * (0.28 * side.signum() * (1.0 - rib));
+    let folded = normal + if normal.dot(patch.midrib.cross(patch.across)) > 0.0 { -fold } else { fold };
+    let mut folded = folded.normalize_or(normal);
+    if folded.dot(d) > 0.0 {
+        folded = normal;
+    }
+    let color = own * (1.0 + 0.35 * rib);
+    Surface { color, through: own * Vec3::new(0.95, 0.80, 0.35) * 0.75, normal: folded, sheen: 0.05 }
+}
+
+/// A wall: plaster or, on boxes, faint courses of masonry.
+fn wall(solid: &StandingSolid, point: Vec3, normal: Vec3, footprint: f32) -> Surface {
+    let base = Vec3::from(solid.color);
+    let turn = solid.rotation.inverse();
+    let at = turn * (point - solid.position);
+    let facing = (turn * normal).abs();
+    let plaster = rough(at * 2.3 + Vec3::splat(4.0), 3) - 0.5;
+    let mut shade = 1.0 + 0.24 * plaster;
+    if matches!(solid.shape, SolidShape::Box { .. }) {
+        let (across, up) = if facing.y > 0.7 {
+            (at.x, at.z)
+        } else if facing.x > facing.z {
+            (at.z, at.y)
+        } else {
+            (at.x, at.y)
+        };
+        const COURSE: f32 = 0.20;
+        const STONE: f32 = 0.44;
+        const JOINT: f32 = 0.014;
+        let course = (up / COURSE).floor();
+        let along = across / STONE + 0.5 * fract(course * 0.5) * 2.0;
+        let stone = mix(hash(course as i32 as u32), along.floor() as i32 as u32);
+        let to_joint = |x: f32, size: f32| (0.5 - (fract(x) - 0.5).abs()) * size;
+        let near = to_joint(up / COURSE, COURSE).min(to_joint(along, STONE));
+        let joint = 1.0 - smooth(JOINT * 0.5, JOINT * 0.5 + footprint.max(0.006), near);
+        let fine = smooth(0.5, 3.0, COURSE / footprint.max(1e-6));
+        shade *= 1.0 + fine * (0.16 * (unit(stone) - 0.5) - 0.20 * joint);
+    }
+    Surface::matt((base * shade).clamp(Vec3::ZERO, Vec3::splat(0.95)), normal)
+}
+
+/// A meadow: grass and bare patches, finer grain the nearer it is.
+fn meadow(palette: &Palette, point: Vec3, footprint: f32) -> Vec3 {
+    let flat = Vec3::new(point.x, 0.0, point.z);
+    let keep = |size: f32| smooth(0.8, 4.0, size / footprint.max(1e-6));
+    let patch = rough(flat * 0.35, 3);
+    let tuft = (value(flat * 4.0) - 0.5) * keep(0.25) + (value(flat * 11.0) - 0.5) * 0.8 * keep(0.09);
+    let blade = (value(flat * Vec3::new(45.0, 0.0, 20.0)) - 0.5) * keep(0.03);
+    let bare = smooth(0.52, 0.78, patch + 0.10 * tuft);
+    let color = palette.grass.lerp(palette.earth, bare * 0.75);
+    let dry = 1.0 + 0.18 * (value(flat * 0.9 + Vec3::splat(31.0)) - 0.5);
+    color * Vec3::new(dry, 1.0, 1.0) * (1.0 + 0.34 * tuft + 0.40 * blade)
+}
+
+/// A direction about `normal`, likelier the nearer to it, from two numbers in 0..1.
+pub(super) fn around(normal: Vec3, u: f32, v: f32) -> Vec3 {
+    let (x, z) = normal.any_orthonormal_pair();
+    let r = u.sqrt();
+    let turn = v * core::f32::consts::TAU;
+    x * (r * ops::cos(turn)) + z * (r * ops::sin(turn)) + normal * (1.0 - u).max(0.0).sqrt()
+}

@@ -1,0 +1,155 @@
+//! What opens and closes the generation of organs: books, seeds, shedding, poses.
+
+use bevy::prelude::*;
+
+use super::{Mechanisms, StepCount};
+use crate::environment::workers::Workers;
+use crate::plant::{
+    Allotment, ApicalBud, Attachment, BranchOrder, Cause, EnergyFlow, EnergyLedger, EnergyStore, Exposure,
+    GrowsFrom, GrowthSpan, GrowthTarget, Identity, Internode, Lineage, NO_PARENT, OrganKind, OrganShed, Plant, Pose, Roster,
+    plant_transform, pose, shed, shed_missing,
+};
+use crate::tropism::Steering;
+
+/// A lateral bud broke: its axis begins to grow (`LK-7`).
+#[derive(Message, Debug, Clone, Copy, Reflect)]
+pub struct BudBroke {
+    /// The lateral bud.
+    pub bud: Entity,
+    /// The apical bud of the new axis.
+    pub axis: Entity,
+}
+
+/// Organs to be shed, with what they bear, at the end of the stage, by birth number.
+#[derive(Resource, Debug, Default)]
+pub struct Condemned(pub Vec<(u32, Cause)>);
+
+/// Sheds what the stage condemned.
+pub fn shed_condemned(world: &mut World) {
+    let condemned = std::mem::take(&mut world.resource_mut::<Condemned>().0);
+    shed(world, &condemned);
+}
+
+/// Begins the step: sheds what was despawned from outside, carries the books forward, and drops the messages of
+/// the step before last (a host without a frame loop has nobody else to do it).
+pub fn open_books(world: &mut World) {
+    world.resource_mut::<Messages<OrganShed>>().update();
+    world.resource_mut::<Messages<BudBroke>>().update();
+    shed_missing(world);
+    let plants: Vec<Entity> = world.resource::<Roster>().plants.iter().flatten().copied().collect();
+    for plant in plants {
+        if let Some(mut ledger) = world.get_mut::<EnergyLedger>(plant) {
+            *ledger = EnergyLedger { opened: ledger.closed, ..Default::default() };
+        }
+    }
+    world.resource_mut::<super::StageTimes>().start();
+}
+
+/// Whether a seed opened in this step.
+pub fn any_germinated(step: Res<StepCount>, stores: Query<&EnergyStore>) -> bool {
+    stores.iter().any(|s| s.germinated == Some(step.0))
+}
+
+/// Opens new seeds (`LK-9`): each puts up its first bud, fed from the seed.
+pub fn germinate(world: &mut World) {
+    let step = world.resource::<StepCount>().0;
+    let energy = world.resource::<Mechanisms>().energy;
+    let plants: Vec<Option<Entity>> = world.resource::<Roster>().plants.clone();
+    for (index, plant) in plants.into_iter().enumerate() {
+        let Some(plant) = plant else { continue };
+        let Some(seed) = world.get::<Plant>(plant).cloned() else { continue };
+        if world.get::<EnergyStore>(plant).is_none_or(|s| s.germinated.is_some()) {
+            continue;
+        }
+        let species = &seed.species;
+        let fed = first_shoot_cost(species).min(species.seed_energy);
+        if let Some(mut store) = world.get_mut::<EnergyStore>(plant) {
+            store.germinated = Some(step);
+            store.stored = if energy { f64::from(species.seed_energy) - f64::from(fed) } else { 0.0 };
+        }
+        if let Some(mut ledger) = world.get_mut::<EnergyLedger>(plant)
+            && energy
+        {
+            ledger.opened = f64::from(species.seed_energy);
+        }
+        let transform = plant_transform(world, plant);
+        let pose = Pose { position: transform.translation, rotation: transform.rotation };
+        let entity = world
+            .spawn((
+                GrowsFrom(plant),
+                GrowthSpan::step(step),
+                BranchOrder(0),
+                Attachment(Quat::IDENTITY),
+                pose,
+                EnergyFlow::default(),
+                ApicalBud::default(),
+                Steering::default(),
+                GrowthTarget { heading: pose.heading(), fitness: 0.0 },
+                Exposure { light: 1.0, space: 1.0, sensed: false },
+                Allotment(fed),
+            ))
+            .id();
+        let birth = world.resource_mut::<Roster>().bear(entity, NO_PARENT, index as u32, OrganKind::ApicalBud);
+        world.entity_mut(entity).insert(Identity { plant, birth, lineage: Lineage::SEED });
+    }
+}
+
+fn first_shoot_cost(species: &crate::species::Species) -> f32 {
+    match species.allocation {
+        crate::species::Allocation::ByExposure => species.extension_m * species.shoot_cost,
+        crate::species::Allocation::ByVigour => {
+            super::vigour::internode_cost(species) * species.seedling_vigour.max(1.0).floor()
+        }
+    }
+}
+
+/// Derives the pose of every organ from the turns of those below it.
+pub fn derive_poses(
+    roster: Res<Roster>,
+    plants: Query<&Plant>,
+    transforms: Query<(Option<&Transform>, Option<&ChildOf>)>,
+    mut organs: Query<(&Attachment, Option<&Internode>, &mut Pose)>,
+) {
+    let _ = &plants;
+    let roots: Vec<Pose> = roster
+        .plants
+        .iter()
+        .map(|plant| {
+            let mut transform = Transform::IDENTITY;
+            let mut at = *plant;
+            while let Some(Ok((local, parent))) = at.map(|e| transforms.get(e)) {
+                transform = local.copied().unwrap_or_default().mul_transform(transform);
+                at = parent.map(ChildOf::parent);
+            }
+            Pose { position: transform.translation, rotation: transform.rotation }
+        })
+        .collect();
+    let mut links = Vec::with_capacity(roster.len());
+    for i in 0..roster.len() {
+        let (attachment, length, radius) = match organs.get(roster.entity[i]) {
+            Ok((a, Some(internode), _)) => (a.0, internode.length, internode.radius),
+            Ok((a, None, _)) => (a.0, 0.0, 0.0),
+            Err(_) => (Quat::IDENTITY, 0.0, 0.0),
+        };
+        links.push((pose::Link { parent: roster.parent[i], attachment, length, offset: 0.0 }, radius));
+    }
+    for i in 0..links.len() {
+        if matches!(roster.kind[i], OrganKind::Leaf | OrganKind::LateralBud) && links[i].0.parent != NO_PARENT {
+            links[i].0.offset = links[links[i].0.parent as usize].1;
+        }
+    }
+    let links: Vec<pose::Link> = links.into_iter().map(|(link, _)| link).collect();
+    let poses = pose::derive(&links, |i| roots[roster.plant[i] as usize]);
+    for (i, derived) in poses.into_iter().enumerate() {
+        if let Ok((_, _, mut pose)) = organs.get_mut(roster.entity[i]) {
+            *pose = derived;
+        }
+    }
+}
+
+/// The environment plugin's worker threads, made if the host made none.
+pub(crate) fn ensure_workers(world: &mut World) {
+    if !world.contains_resource::<Workers>() {
+        world.init_resource::<Workers>();
+    }
+}

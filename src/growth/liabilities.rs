@@ -1,0 +1,180 @@
+//! What a plant gives up: liabilities in a shortage (`LK-11`) and side axes that earn too little for their wood.
+
+use bevy::prelude::*;
+
+use super::generation::Condemned;
+use super::{Mechanisms, StepCount};
+use crate::plant::{
+    ApicalBud, Cause, EnergyFlow, EnergyLedger, Exposure, GrowthSpan, Internode, NO_PARENT, OrganKind, Plant, Roster,
+};
+
+/// An organ as the judges see it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Account {
+    /// Index of the organ it grows from, or [`NO_PARENT`].
+    pub parent: u32,
+    /// Its kind.
+    pub kind: OrganKind,
+    /// Whether a side axis begins here.
+    pub begins_axis: bool,
+    /// Earned in this step.
+    pub income: f32,
+    /// Due in this step.
+    pub upkeep: f32,
+    /// False for a leaf that has not looked around yet.
+    pub sensed: bool,
+}
+
+/// What a branch earns and costs with all it bears.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Branch {
+    /// Income of all leaves borne.
+    pub income: f64,
+    /// Upkeep of all organs borne.
+    pub upkeep: f64,
+    /// Organs borne, itself included.
+    pub organs: u32,
+    /// Internodes borne, itself included.
+    pub internodes: u32,
+    /// Leaves that have not looked around yet.
+    pub unsensed: u32,
+}
+
+/// Sums every organ with all it bears, tips to base in one pass.
+pub fn branches(accounts: &[Account]) -> Vec<Branch> {
+    let mut sums = vec![Branch::default(); accounts.len()];
+    for i in (0..accounts.len()).rev() {
+        let account = &accounts[i];
+        let here = &mut sums[i];
+        here.income += f64::from(account.income);
+        here.upkeep += f64::from(account.upkeep);
+        here.organs += 1;
+        here.internodes += u32::from(account.kind == OrganKind::Internode);
+        here.unsensed += u32::from(account.kind == OrganKind::Leaf && !account.sensed);
+        let here = *here;
+        if account.parent != NO_PARENT {
+            let below = &mut sums[account.parent as usize];
+            below.income += here.income;
+            below.upkeep += here.upkeep;
+            below.organs += here.organs;
+            below.internodes += here.internodes;
+            below.unsensed += here.unsensed;
+        }
+    }
+    sums
+}
+
+/// The liabilities of one plant to shed so that `deficit` is met: lowest income per upkeep first, ties by birth,
+/// leaves or whole branches, at most `most` organs. `mine` tells which organs are the plant's.
+pub fn to_shed(
+    accounts: &[Account],
+    sums: &[Branch],
+    mine: impl Fn(usize) -> bool,
+    deficit: f64,
+    most: u32,
+) -> Vec<usize> {
+    let mut candidates: Vec<(f64, usize)> = (0..accounts.len())
+        .filter(|&i| mine(i) && (accounts[i].kind == OrganKind::Leaf || accounts[i].begins_axis))
+        .filter(|&i| sums[i].unsensed == 0 && sums[i].upkeep > 0.0 && sums[i].income < sums[i].upkeep)
+        .map(|i| (sums[i].income / sums[i].upkeep, i))
+        .collect();
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut gone = vec![false; accounts.len()];
+    let mut shed = Vec::new();
+    let (mut freed, mut count) = (0.0, 0);
+    for (_, i) in candidates {
+        if freed >= deficit {
+            break;
+        }
+        let covered = {
+            let mut at = i;
+            loop {
+                if gone[at] {
+                    break true;
+                }
+                match accounts[at].parent {
+                    NO_PARENT => break false,
+                    parent => at = parent as usize,
+                }
+            }
+        };
+        if covered || count + sums[i].organs > most {
+            continue;
+        }
+        gone[i] = true;
+        shed.push(i);
+        freed += sums[i].upkeep - sums[i].income;
+        count += sums[i].organs;
+    }
+    shed
+}
+
+/// Condemns liabilities while upkeep is unpaid, side axes that have been poor for too long, and buds out of
+/// patience.
+#[allow(clippy::type_complexity, clippy::too_many_arguments, reason = "a system names what it reads")]
+pub fn shed_liabilities(
+    step: Res<StepCount>,
+    mechanisms: Res<Mechanisms>,
+    roster: Res<Roster>,
+    mut condemned: ResMut<Condemned>,
+    plants: Query<(&Plant, &EnergyLedger)>,
+    mut organs: Query<(
+        &EnergyFlow,
+        &GrowthSpan,
+        Option<&Exposure>,
+        Option<&ApicalBud>,
+        Option<&mut Internode>,
+    )>,
+) {
+    if !mechanisms.energy {
+        return;
+    }
+    let accounts: Vec<Account> = (0..roster.len())
+        .map(|i| {
+            let organ = organs.get(roster.entity[i]).ok();
+            Account {
+                parent: roster.parent[i],
+                kind: roster.kind[i],
+                begins_axis: roster.parent[i] != NO_PARENT
+                    && organ.and_then(|o| o.4).is_some_and(|internode| internode.height_in_branch <= internode.length),
+                income: organ.map_or(0.0, |o| o.0.income),
+                upkeep: organ.map_or(0.0, |o| o.0.upkeep),
+                sensed: organ.is_none_or(|o| o.2.is_none_or(|e| e.sensed)),
+            }
+        })
+        .collect();
+    let sums = branches(&accounts);
+    let mut size = vec![0u32; roster.plants.len()];
+    for &plant in &roster.plant {
+        size[plant as usize] += 1;
+    }
+    for (plant, entity) in roster.plants.iter().enumerate() {
+        let Some(Ok((Plant { species, .. }, ledger))) = entity.map(|e| plants.get(e)) else { continue };
+        let mine = |i: usize| roster.plant[i] as usize == plant;
+        if ledger.unpaid > 0.0 {
+            let most = (species.shed_share * size[plant] as f32).ceil() as u32;
+            for i in to_shed(&accounts, &sums, mine, ledger.unpaid, most) {
+                condemned.0.push((roster.birth[i], Cause::Liability));
+            }
+        }
+        if species.prune_patience > 0 {
+            for i in (0..accounts.len()).filter(|&i| mine(i) && accounts[i].begins_axis) {
+                let Ok((_, span, _, _, Some(mut base))) = organs.get_mut(roster.entity[i]) else { continue };
+                let young = step.0 - span.born() < 2;
+                let poor = sums[i].income < f64::from(species.prune_income) * f64::from(sums[i].internodes);
+                base.poor_steps = if poor && !young { base.poor_steps + 1 } else { 0 };
+                if base.poor_steps > species.prune_patience {
+                    condemned.0.push((roster.birth[i], Cause::SelfPruned));
+                }
+            }
+        }
+        if species.patience_steps > 0 {
+            for i in (0..accounts.len()).filter(|&i| mine(i) && roster.kind[i] == OrganKind::ApicalBud) {
+                let bud = organs.get(roster.entity[i]).ok().and_then(|o| o.3);
+                if bud.is_some_and(|b| b.starved > species.patience_steps) {
+                    condemned.0.push((roster.birth[i], Cause::Starved));
+                }
+            }
+        }
+    }
+}

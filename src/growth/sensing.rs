@@ -1,0 +1,153 @@
+//! Looking around: every bud and leaf finds its light and space, every bud that will grow its target (`LK-13` to
+//! `LK-15`).
+//!
+//! [`render_cube_maps`] is a pure function of the job that [`gather_probes`] left, so a live host may run it on
+//! another thread between two steps with the same result.
+
+use bevy::prelude::*;
+
+use super::Mechanisms;
+use super::generation::ensure_workers;
+use crate::environment::plugin::standing_scene;
+use crate::environment::probe::{Probe, Sensing};
+use crate::environment::sense::{Search, SenseRequest, Sensed, sense};
+use crate::environment::trace::Tracer;
+use crate::environment::workers::Workers;
+use crate::environment::{Scene, gather};
+use crate::plant::{Exposure, GrowthTarget, OrganKind, OrganState, Snapshot};
+use crate::species::{Allocation, Species};
+
+/// What there is to look at, from where, and what was seen: plain data.
+#[derive(Resource, Debug, Default)]
+pub struct SensingJob {
+    /// What can be seen.
+    pub scene: Scene,
+    /// Who looks, in birth order.
+    pub requests: Vec<SenseRequest>,
+    /// The entities that look.
+    pub lookers: Vec<Entity>,
+    /// What each found; filled by [`render_cube_maps`].
+    pub found: Vec<Sensed>,
+    /// How they look.
+    pub settings: Sensing,
+}
+
+/// Gathers scene and probes.
+pub fn gather_probes(world: &mut World) {
+    let shot = Snapshot::take(world);
+    let mut scene = standing_scene(world);
+    gather::add_plants(&mut scene, &shot);
+    let mechanisms = *world.resource::<Mechanisms>();
+    let settings = *world.resource::<Sensing>();
+    let roster = world.resource::<crate::plant::Roster>();
+    let mut requests = Vec::new();
+    let mut lookers = Vec::new();
+    if mechanisms.light || mechanisms.space {
+        for i in 0..shot.len() {
+            if let Some(request) = request(&shot, i, &settings, mechanisms) {
+                requests.push(request);
+                lookers.push(roster.entity[i]);
+            }
+        }
+    }
+    world.insert_resource(SensingJob { scene, requests, lookers, found: Vec::new(), settings });
+}
+
+/// What organ `i` asks of the environment, if it looks at all.
+pub fn request(shot: &Snapshot, i: usize, settings: &Sensing, mechanisms: Mechanisms) -> Option<SenseRequest> {
+    let species = &*shot.plants[shot.plant[i] as usize].as_ref()?.species;
+    let pose = shot.pose[i];
+    let will_grow = shot.allotment[i] > 0.0 || !mechanisms.energy;
+    let (position, searches) = match shot.state[i] {
+        OrganState::Internode(..) => return None,
+        OrganState::ApicalBud(..) => (pose.position, will_grow),
+        OrganState::LateralBud(bud, _) => {
+            if bud.state != crate::plant::LateralBudState::Dormant {
+                return None;
+            }
+            (pose.position, will_grow && bud.dormancy == 0)
+        }
+        OrganState::Leaf(leaf) => {
+            let half_blade = 0.5 * species.leaf_length_m * leaf.size.sqrt();
+            (pose.position + pose.heading() * half_blade, false)
+        }
+    };
+    let support = shot.parent[i];
+    let support = if support == crate::plant::NO_PARENT { u32::MAX } else { shot.birth[support as usize] };
+    let probe = Probe {
+        position,
+        blind_to: [shot.birth[i], support],
+        face: if searches { settings.bud_face } else { settings.leaf_face },
+        space_range: species.space_range_m,
+    };
+    Some(SenseRequest {
+        probe,
+        reading: species.light_reading,
+        search: searches.then(|| search(species, shot, i, mechanisms)),
+    })
+}
+
+fn search(species: &Species, shot: &Snapshot, i: usize, mechanisms: Mechanisms) -> Search {
+    let order = shot.order[i];
+    let reach = match species.allocation {
+        Allocation::ByExposure if mechanisms.energy => {
+            (shot.allotment[i] / species.shoot_cost).min(species.extension_m)
+        }
+        Allocation::ByExposure => species.extension_m,
+        Allocation::ByVigour => super::shoots::plan(species, shot.allotment[i]).length,
+    };
+    Search {
+        rotation: shot.pose[i].rotation,
+        cone: species.bending_angle_deg.to_radians(),
+        reach: reach.max(species.node_spacing_m),
+        candidates: species.candidates,
+        weight_light: species.weight_light,
+        weight_space: species.weight_space,
+        weight_heading: species.weight_heading,
+        weight_set_point: species.weight_set_point.get(order),
+        set_point: species.set_point_deg.get(order).to_radians(),
+        rescale: species.rescale_fitness,
+        light_on: mechanisms.light,
+        space_on: mechanisms.space,
+    }
+}
+
+/// Looks around from every probe.
+pub fn render_cube_maps(world: &mut World) {
+    ensure_workers(world);
+    world.resource_scope(|world, mut job: Mut<SensingJob>| {
+        let workers = world.resource::<Workers>();
+        let job = &mut *job;
+        let tracer = Tracer::build(&job.scene);
+        job.found = sense(&tracer, &job.requests, &job.settings, workers);
+    });
+}
+
+/// Writes light, space and growth targets back to the organs that looked.
+pub fn choose_growth_targets(world: &mut World) {
+    let job = std::mem::take(&mut *world.resource_mut::<SensingJob>());
+    let mechanisms = *world.resource::<Mechanisms>();
+    let mut organs = world.query::<(&mut Exposure, Option<&mut GrowthTarget>)>();
+    for (entity, found) in job.lookers.iter().zip(&job.found) {
+        let Ok((mut exposure, target)) = organs.get_mut(world, *entity) else { continue };
+        *exposure = Exposure {
+            light: if mechanisms.light { found.light } else { 1.0 },
+            space: if mechanisms.space { found.space } else { 1.0 },
+            sensed: true,
+        };
+        if let Some(mut target) = target {
+            *target = match &found.choice {
+                Some(choice) => GrowthTarget { heading: choice.heading, fitness: choice.fitness },
+                None => GrowthTarget::default(),
+            };
+        }
+    }
+    if !(mechanisms.light || mechanisms.space) {
+        let roster = world.resource::<crate::plant::Roster>().clone();
+        for i in (0..roster.len()).filter(|&i| roster.kind[i] != OrganKind::Internode) {
+            if let Ok((mut exposure, _)) = organs.get_mut(world, roster.entity[i]) {
+                *exposure = Exposure { light: 1.0, space: 1.0, sensed: true };
+            }
+        }
+    }
+}

@@ -1,0 +1,287 @@
+//! Extending shoots: rule 1 (A -> I A), each sub-step steered and kept out of solids (`LK-4`, `ST-5`).
+
+use bevy::math::ops;
+use bevy::prelude::*;
+
+use super::birth::Newborn;
+use super::nodes::{FreshNode, FreshNodes};
+use super::{Mechanisms, StepCount};
+use crate::chance::{self, Purpose};
+use crate::environment::obstacles::advance;
+use crate::environment::{Ground, Solid, StandingSolid};
+use crate::plant::{
+    Allotment, ApicalBud, Attachment, BranchOrder, EnergyLedger, GrowsFrom, GrowthSpan, GrowthTarget,
+    Identity, Internode, Lineage, NO_PARENT, Node, OrganKind, Plant, Pose, Roster,
+};
+use crate::species::{Allocation, Species};
+use crate::tropism::{self, Control, Steering};
+
+/// What a bud knows as it begins to extend.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tip {
+    /// Where it is, metres.
+    pub position: Vec3,
+    /// Its turn.
+    pub rotation: Quat,
+    /// Its counters.
+    pub bud: ApicalBud,
+    /// Its controller.
+    pub steering: Steering,
+}
+
+/// How far a bud grows, and how.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plan {
+    /// Length to grow, metres.
+    pub length: f32,
+    /// Whether the shoot ends in a node even if it is shorter than the node spacing (a short shoot).
+    pub closes: bool,
+    /// Most nodes to form.
+    pub nodes: u32,
+}
+
+/// A new stem segment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// Its base.
+    pub position: Vec3,
+    /// Its turn.
+    pub rotation: Quat,
+    /// Its measures; radius that of a twig.
+    pub internode: Internode,
+    /// The node it ends in.
+    pub node: Option<Node>,
+    /// Phyllotaxis angle at that node, radians.
+    pub phyllotaxis: f32,
+}
+
+/// Length planned with an amount of energy.
+pub fn plan(species: &Species, energy: f32) -> Plan {
+    match species.allocation {
+        Allocation::ByExposure => Plan {
+            length: (energy / species.shoot_cost).min(species.extension_m),
+            closes: false,
+            nodes: if species.axis_continues { u32::MAX } else { 1 },
+        },
+        Allocation::ByVigour => {
+            let whole = (energy / super::vigour::internode_cost(species) + 1e-3).floor();
+            if whole >= 1.0 {
+                Plan { length: whole * species.node_spacing_m, closes: false, nodes: whole as u32 }
+            } else {
+                Plan { length: species.short_internode * species.node_spacing_m, closes: true, nodes: 1 }
+            }
+        }
+    }
+}
+
+/// Grows a shoot from its tip towards a target heading; returns the new segments and leaves the tip at the end.
+///
+/// Growth that meets a solid or the ground slides along it or stops.
+pub fn extend(
+    tip: &mut Tip,
+    plan: Plan,
+    target: Vec3,
+    species: &Species,
+    solids: &[StandingSolid],
+    ground: Option<f32>,
+    mut wander: impl FnMut() -> [f32; 2],
+) -> Vec<Segment> {
+    const LEAST: f32 = 1e-4;
+    let control = Control { gain: species.steering_gain, lag: species.steering_lag };
+    let mut left = plan.length;
+    let mut segments = Vec::new();
+    let mut nodes = 0;
+    while left > LEAST && nodes < plan.nodes {
+        let to_node = species.node_spacing_m - tip.bud.height_since_node;
+        // The last sub-segment is cut to fit (`ST-10`).
+        let wanted = species.internode_m.min(to_node).min(left).max(LEAST);
+        let heading = tip.rotation * Vec3::Y;
+        let steered = tropism::step(&control, &mut tip.steering, heading, target);
+        let [tilt, around] = wander();
+        let steered = deflect(steered, tilt, around);
+        let step = advance(solids, ground, tip.position, steered, wanted, species.twig_radius_m);
+        if step.length < LEAST {
+            break;
+        }
+        tip.rotation = (Quat::from_rotation_arc(heading, step.direction) * tip.rotation).normalize();
+        tip.bud.height_since_node += step.length;
+        tip.bud.height_in_branch += step.length;
+        left -= step.length;
+        let blocked = step.length < wanted * 0.999;
+        let closes = plan.closes && left <= LEAST;
+        let at_node = tip.bud.height_since_node >= species.node_spacing_m - LEAST || closes || blocked;
+        let internode = Internode {
+            length: step.length,
+            radius: species.twig_radius_m,
+            height_since_node: tip.bud.height_since_node,
+            height_in_branch: tip.bud.height_in_branch,
+            pipe: ops::powf(species.twig_radius_m, species.pipe_exponent),
+            poor_steps: 0,
+        };
+        segments.push(Segment {
+            position: tip.position,
+            rotation: tip.rotation,
+            internode,
+            node: at_node.then_some(Node { ordinal: tip.bud.nodes }),
+            phyllotaxis: tip.bud.phyllotaxis,
+        });
+        tip.position += tip.rotation * Vec3::Y * step.length;
+        if at_node {
+            nodes += 1;
+            tip.bud.nodes += 1;
+            tip.bud.height_since_node = 0.0;
+            tip.bud.phyllotaxis =
+                (tip.bud.phyllotaxis + species.phyllotaxis_deg.to_radians()) % core::f32::consts::TAU;
+        }
+        if blocked {
+            break;
+        }
+    }
+    segments
+}
+
+/// Turns a heading by `tilt` radians towards the side at `around` radians.
+fn deflect(heading: Vec3, tilt: f32, around: f32) -> Vec3 {
+    if tilt == 0.0 {
+        return heading;
+    }
+    let (u, v) = heading.any_orthonormal_pair();
+    let (s, c) = ops::sin_cos(around);
+    let (ts, tc) = ops::sin_cos(tilt);
+    (heading * tc + (u * c + v * s) * ts).normalize()
+}
+
+/// Extends every apical bud that has energy and a target; the bud is born anew beyond its new internodes.
+#[allow(clippy::type_complexity, clippy::too_many_arguments, reason = "a system names what it reads")]
+pub fn extend_shoots(
+    mut commands: Commands,
+    mut roster: ResMut<Roster>,
+    mut fresh: ResMut<FreshNodes>,
+    step: Res<StepCount>,
+    mechanisms: Res<Mechanisms>,
+    ground: Res<Ground>,
+    plants: Query<&Plant>,
+    mut ledgers: Query<&mut EnergyLedger>,
+    solids: Query<(&Solid, &Transform)>,
+    mut buds: Query<(
+        &mut Identity,
+        &BranchOrder,
+        &mut Pose,
+        &mut Attachment,
+        &mut GrowthSpan,
+        &GrowthTarget,
+        &mut Steering,
+        &mut Allotment,
+        &mut ApicalBud,
+    )>,
+) {
+    let solids = crate::environment::standing_solids(solids.iter());
+    let living = roster.len();
+    let mut moved = vec![false; living];
+    for i in 0..living {
+        if roster.kind[i] != OrganKind::ApicalBud {
+            continue;
+        }
+        let entity = roster.entity[i];
+        let Ok((mut identity, order, mut pose, mut attachment, mut span, target, mut steering, mut allotment, mut bud)) =
+            buds.get_mut(entity)
+        else {
+            continue;
+        };
+        let Ok(plant) = plants.get(identity.plant) else { continue };
+        let species = &plant.species;
+        if mechanisms.energy && allotment.0 <= 0.0 {
+            bud.starved += 1;
+            continue;
+        }
+        let energy = if mechanisms.energy { allotment.0 } else { full_energy(species, order.0) };
+        let parent = roster.parent[i];
+        let mut tip =
+            Tip { position: pose.position, rotation: pose.rotation, bud: *bud, steering: *steering };
+        let mut rng = chance::stream(plant.seed, identity.lineage, step.0, Purpose::Wander);
+        let crooked = species.wander_deg.to_radians();
+        let heading = if target.heading == Vec3::ZERO { pose.heading() } else { target.heading };
+        let segments = extend(&mut tip, plan(species, energy), heading, species, &solids, ground.0, || {
+            if crooked == 0.0 {
+                return [0.0; 2];
+            }
+            [chance::normal(&mut rng).abs() * crooked, chance::unit(&mut rng) * core::f32::consts::TAU]
+        });
+        if segments.is_empty() {
+            bud.starved += 1;
+            continue;
+        }
+        let grown: f32 = segments.iter().map(|s| s.internode.length).sum();
+        if mechanisms.energy {
+            let spent = (grown * species.shoot_cost).min(allotment.0);
+            allotment.0 -= spent;
+            if let Ok(mut ledger) = ledgers.get_mut(identity.plant) {
+                ledger.growth += f64::from(spent);
+            }
+        }
+        let plant_index = roster.plant[i];
+        let mut stem = (parent, if parent == NO_PARENT { identity.plant } else { roster.entity[parent as usize] });
+        let mut below_rotation = (pose.rotation * attachment.0.inverse()).normalize();
+        let count = segments.len() as f32;
+        let last = segments.iter().rposition(|s| s.node.is_some());
+        for (k, segment) in segments.iter().enumerate() {
+            let index = roster.len() as u32;
+            let birth = roster.next_birth;
+            let newborn = Newborn {
+                plant: identity.plant,
+                plant_index,
+                from: stem.1,
+                parent: stem.0,
+                lineage: segment_lineage(identity.lineage, step.0, k as u32),
+                order: order.0,
+                attachment: (below_rotation.inverse() * segment.rotation).normalize(),
+                pose: Pose { position: segment.position, rotation: segment.rotation },
+                span: GrowthSpan {
+                    start: step.0 as f32 + k as f32 / count,
+                    end: step.0 as f32 + (k + 1) as f32 / count,
+                },
+            };
+            let internode = newborn.bear(&mut commands, &mut roster, OrganKind::Internode, segment.internode);
+            if let Some(node) = segment.node {
+                commands.entity(internode).insert(node);
+                fresh.0.push(FreshNode {
+                    internode,
+                    birth,
+                    bud: entity,
+                    node,
+                    phyllotaxis: segment.phyllotaxis,
+                    rank: (k + 1) as f32 / count,
+                    ends_unit: Some(k) == last,
+                });
+            }
+            stem = (index, internode);
+            below_rotation = segment.rotation;
+        }
+        moved[i] = true;
+        commands.entity(entity).insert(GrowsFrom(stem.1));
+        identity.birth = roster.bear(entity, stem.0, plant_index, OrganKind::ApicalBud);
+        *span = GrowthSpan::step(step.0);
+        *pose = Pose { position: tip.position, rotation: tip.rotation };
+        attachment.0 = Quat::IDENTITY;
+        *steering = tip.steering;
+        *bud = ApicalBud { starved: 0, ..tip.bud };
+    }
+    moved.resize(roster.len(), false);
+    let stays: Vec<bool> = moved.iter().map(|m| !m).collect();
+    roster.retain(&stays);
+}
+
+/// Energy of a bud when energy is not modelled: all it can use.
+fn full_energy(species: &Species, order: u32) -> f32 {
+    match species.allocation {
+        Allocation::ByExposure => species.extension_m * species.shoot_cost,
+        Allocation::ByVigour => {
+            super::vigour::internode_cost(species) * species.flush_internodes.get(order).max(1.0).floor()
+        }
+    }
+}
+
+/// Lineage of the `k`-th internode a bud makes in a step.
+fn segment_lineage(bud: Lineage, step: u32, k: u32) -> Lineage {
+    bud.child(1_000_000_000u32.wrapping_add(step.wrapping_mul(4096)).wrapping_add(k))
+}

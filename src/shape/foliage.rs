@@ -1,0 +1,201 @@
+//! Foliage: the blades a leaf organ stands for, in the world.
+//!
+//! A leaf organ of a few blades is a short leafy shoot: its blades leave a stalk along the organ's heading at the
+//! golden angle, spread wide at its base and close to the heading at its end. Each lies flat, turned about its
+//! midrib until it faces the sky, as leaves do.
+
+use bevy::math::ops;
+use bevy::prelude::*;
+use smallvec::SmallVec;
+
+use super::outline::LeafOutline;
+use crate::chance::mix;
+use crate::environment::LeafPatch;
+use crate::plant::{Lineage, Pose};
+use crate::species::Species;
+
+/// Length of a petiole as a share of its blade's.
+const PETIOLE: f32 = 0.15;
+/// Stalk between two blades of an organ as a share of a blade's length.
+const STALK: f32 = 0.1;
+/// Longest stalk as a share of a blade's length.
+const LONGEST_STALK: f32 = 1.5;
+/// Angle between stalk and blade at the base and the end of the stalk, radians.
+const SPREAD: [f32; 2] = [1.31, 0.35];
+/// How much of its slope a broad blade keeps when it turns level.
+const SLOPE_KEPT: f32 = 0.5;
+/// Largest random part of a blade's direction, along each axis.
+const JITTER: f32 = 0.15;
+/// 137.5 degrees.
+const GOLDEN_ANGLE: f32 = 2.399_963_2;
+
+/// One flat blade in the world.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Blade {
+    /// Where its petiole leaves the stalk, metres.
+    pub stalk: Vec3,
+    /// Where the blade begins, metres.
+    pub base: Vec3,
+    /// From base to tip, metres.
+    pub midrib: Vec3,
+    /// From the midrib to the margin where the blade is widest, metres; level wherever the midrib is not upright.
+    pub across: Vec3,
+}
+
+impl Blade {
+    /// Unit normal of its upper side.
+    pub fn normal(&self) -> Vec3 {
+        self.across.cross(self.midrib).try_normalize().unwrap_or(Vec3::Y)
+    }
+
+    /// The blade as a scene holds it.
+    pub fn patch(&self, outline: LeafOutline, organ: u32, plant: u32) -> LeafPatch {
+        LeafPatch { base: self.base, midrib: self.midrib, across: self.across, outline, organ, plant }
+    }
+}
+
+/// How one blade stands on the stalk, before chance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Station {
+    /// Direction of the blade in the organ's frame, stalk along +Y.
+    direction: Vec3,
+    /// Distance along the stalk, as a share of a blade's length.
+    along: f32,
+}
+
+/// How a species arranges the blades of its leaf organs: made once a plant, asked once a leaf.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Foliage {
+    /// Outline of each blade.
+    pub outline: LeafOutline,
+    length: f32,
+    half_width: f32,
+    slope_kept: f32,
+    stations: SmallVec<[Station; 8]>,
+}
+
+impl Foliage {
+    /// The foliage of a species.
+    pub fn of(species: &Species) -> Self {
+        let blades = species.leaf_cluster.max(1);
+        let stalk = (STALK * (blades - 1) as f32).min(LONGEST_STALK);
+        let stations = (0..blades)
+            .map(|i| {
+                if blades == 1 {
+                    return Station { direction: Vec3::Y, along: 0.0 };
+                }
+                let share = i as f32 / (blades - 1) as f32;
+                let (sin, cos) = ops::sin_cos(SPREAD[0] + (SPREAD[1] - SPREAD[0]) * share);
+                let (turn_sin, turn_cos) = ops::sin_cos(GOLDEN_ANGLE * i as f32);
+                Station { direction: Vec3::new(sin * turn_cos, cos, sin * turn_sin), along: stalk * share }
+            })
+            .collect();
+        Self {
+            outline: species.leaf_outline,
+            length: species.leaf_length_m,
+            half_width: 0.5 * species.leaf_width_m,
+            slope_kept: if species.leaf_outline == LeafOutline::Needle { 1.0 } else { SLOPE_KEPT },
+            stations,
+        }
+    }
+
+    /// Blades of a leaf organ.
+    pub fn blades_per_leaf(&self) -> usize {
+        self.stations.len()
+    }
+
+    /// The blades of a leaf whose area is the share `size` of the largest (0..1).
+    ///
+    /// Chance comes from the lineage alone: a leaf keeps its look while it grows, whatever stands around it.
+    pub fn blades(&self, pose: &Pose, size: f32, lineage: Lineage) -> impl Iterator<Item = Blade> + '_ {
+        let scale = size.max(0.0).sqrt();
+        let (length, half_width) = (self.length * scale, self.half_width * scale);
+        let Pose { position, rotation } = *pose;
+        let heading = rotation * Vec3::Y;
+        let phase = unit(mix(lineage.0)) * core::f32::consts::TAU;
+        let spin = rotation * Quat::from_xyzw(0.0, ops::sin(0.5 * phase), 0.0, ops::cos(0.5 * phase));
+        self.stations.iter().enumerate().map(move |(i, station)| {
+            let mut direction = spin * station.direction + jitter(mix(lineage.0 ^ (i as u64 + 1)));
+            direction.y *= self.slope_kept;
+            let direction = direction.try_normalize().unwrap_or(heading);
+            let stalk = position + heading * (station.along * length);
+            let across = direction
+                .cross(Vec3::Y)
+                .try_normalize()
+                .or_else(|| direction.cross(rotation * Vec3::Z).try_normalize())
+                .unwrap_or_else(|| direction.any_orthonormal_vector());
+            Blade {
+                stalk,
+                base: stalk + direction * (PETIOLE * length),
+                midrib: direction * length,
+                across: across * half_width,
+            }
+        })
+    }
+}
+
+/// The top 24 bits as a number in 0..1.
+fn unit(bits: u64) -> f32 {
+    (bits >> 40) as f32 / (1u64 << 24) as f32
+}
+
+fn jitter(bits: u64) -> Vec3 {
+    let part = |shift: u32| ((bits >> shift) & 0xFFFF) as f32 / 32_768.0 - 1.0;
+    Vec3::new(part(0), part(16), part(32)) * JITTER
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn oak() -> Species {
+        Species { leaf_cluster: 12, leaf_outline: LeafOutline::Lobed, ..Species::default() }
+    }
+
+    fn blades(species: &Species, rotation: Quat, size: f32, lineage: u64) -> Vec<Blade> {
+        let pose = Pose { position: Vec3::new(1.0, 2.0, 3.0), rotation };
+        Foliage::of(species).blades(&pose, size, Lineage(lineage)).collect()
+    }
+
+    #[test]
+    fn blades_together_have_the_area_of_the_leaf() {
+        let species = oak();
+        for size in [0.0, 0.3, 1.0] {
+            let area: f32 = blades(&species, Quat::IDENTITY, size, 7)
+                .iter()
+                .map(|b| b.midrib.length() * 2.0 * b.across.length() * species.leaf_outline.fill())
+                .sum();
+            assert!((area - size * species.leaf_area()).abs() < 1e-5, "{size} {area}");
+        }
+    }
+
+    #[test]
+    fn blades_lie_flat_under_the_sky() {
+        for (turn, lineage) in [(0.0, 1), (1.0, 2), (2.5, 3), (core::f32::consts::PI, 4)] {
+            for blade in blades(&oak(), Quat::from_rotation_z(turn), 1.0, lineage) {
+                assert!(blade.normal().y >= 0.0);
+                assert!(blade.midrib.dot(blade.across).abs() < 1e-6);
+            }
+        }
+        let level = blades(&Species::default(), Quat::from_rotation_z(-core::f32::consts::FRAC_PI_2), 1.0, 5);
+        assert_eq!(level.len(), 1);
+        assert!(level[0].normal().y > 0.95);
+    }
+
+    #[test]
+    fn a_leaf_keeps_its_look_as_it_grows_and_differs_from_its_neighbour() {
+        let small = blades(&oak(), Quat::IDENTITY, 0.25, 9);
+        let large = blades(&oak(), Quat::IDENTITY, 1.0, 9);
+        for (s, l) in small.iter().zip(&large) {
+            assert!((s.midrib * 2.0 - l.midrib).length() < 1e-6);
+        }
+        assert_ne!(large, blades(&oak(), Quat::IDENTITY, 1.0, 10));
+    }
+
+    #[test]
+    fn blades_fan_to_all_sides() {
+        let all = blades(&oak(), Quat::IDENTITY, 1.0, 3);
+        let mean = all.iter().map(|b| b.midrib.normalize()).sum::<Vec3>() / all.len() as f32;
+        assert!(mean.with_y(0.0).length() < 0.2, "{mean}");
+    }
+}

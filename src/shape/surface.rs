@@ -1,0 +1,49 @@
+//! A triangle mesh as plain data.
+
+use bevy::prelude::*;
+
+/// Triangles with normals and texture coordinates, front faces counter-clockwise.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Surface {
+    /// Vertices, world metres.
+    pub positions: Vec<[f32; 3]>,
+    /// Unit normal of each vertex.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates of each vertex.
+    pub uvs: Vec<[f32; 2]>,
+    /// Three vertices a triangle.
+    pub indices: Vec<u32>,
+}
+
+impl Surface {
+    /// Whether there is nothing to see.
+    pub fn is_empty(&self) -> bool {
+        self.indices.is_empty()
+    }
+
+    /// Triangles in it.
+    pub fn triangles(&self) -> usize {
+        self.indices.len() / 3
+    }
+
+    /// Least and greatest corner, `None` without vertices.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let mut all = self.positions.iter().map(|&p| Vec3::from(p));
+        let first = all.next()?;
+        Some(all.fold((first, first), |(low, high), p| (low.min(p), high.max(p))))
+    }
+
+    /// Adds a vertex and returns its index.
+    pub(super) fn vertex(&mut self, position: Vec3, normal: Vec3, uv: [f32; 2]) -> u32 {
+        // `limits::ORGANS` and at most 64 blades of 15 vertices an organ keep this below 2^32.
+        let index = self.positions.len() as u32;
+        self.positions.push(position.into());
+        self.normals.push(normal.into());
+        self.uvs.push(uv);
+        index
+    }
+
+    pub(super) fn triangle(&mut self, a: u32, b: u32, c: u32) {
+        self.indices.extend([a, b, c]);
+    }
+}

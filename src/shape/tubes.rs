@@ -1,0 +1,252 @@
+//! Wood: every axis one continuous tapering tube.
+//!
+//! An axis is a chain of internodes. Neighbours share the ring between them, turned by parallel transport so that
+//! bark does not twist, its radius the mean of theirs. The tube of a side axis begins inside its parent.
+
+use bevy::math::ops;
+use bevy::prelude::*;
+
+use super::Surface;
+use crate::plant::{Internode, NO_PARENT, OrganState, Snapshot};
+
+/// Fewest and most sides of a tube.
+const SIDES: [u32; 2] = [3, 12];
+/// Radius from which a tube has the most sides, metres.
+const ROUND_RADIUS: f32 = 0.2;
+/// Widening of the base of an axis, as a multiple of its first radius.
+const FLARE: f32 = 1.35;
+/// Radius at the tip of an axis that bears no other, as a share of its last internode's.
+const TIP: f32 = 0.5;
+/// Width of a tile of bark about which tiles are made to fit, metres.
+const BARK_TILE: f32 = 0.4;
+
+/// The internodes of all plants as axes.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Axes {
+    /// Index of the first internode of each axis, rising.
+    pub starts: Vec<u32>,
+    /// For each organ, the index of the internode that continues its axis, or [`NO_PARENT`].
+    pub next: Vec<u32>,
+    /// For each organ, whether a stem grows from it.
+    pub bears: Vec<bool>,
+}
+
+impl Axes {
+    /// Finds the axes of a snapshot.
+    ///
+    /// An internode continues its parent's axis when it is of the same order and farther along; of several, the
+    /// first-born does.
+    pub fn of(snapshot: &Snapshot) -> Self {
+        let mut axes = Self {
+            starts: Vec::new(),
+            next: vec![NO_PARENT; snapshot.len()],
+            bears: vec![false; snapshot.len()],
+        };
+        for i in 0..snapshot.len() {
+            let Some(internode) = internode(snapshot, i as u32) else { continue };
+            let p = snapshot.parent[i];
+            let continues = internode_below(snapshot, i as u32).is_some_and(|below| {
+                axes.bears[p as usize] = true;
+                internode.height_in_branch > below.height_in_branch
+                    && snapshot.order[i] == snapshot.order[p as usize]
+                    && axes.next[p as usize] == NO_PARENT
+            });
+            if continues {
+                axes.next[p as usize] = i as u32;
+            } else {
+                axes.starts.push(i as u32);
+            }
+        }
+        axes
+    }
+
+    /// Indices of the internodes of the axis that starts with `start`, base to tip.
+    pub fn walk(&self, start: u32) -> impl Iterator<Item = u32> + '_ {
+        core::iter::successors(Some(start), |&i| {
+            Some(self.next[i as usize]).filter(|&next| next != NO_PARENT)
+        })
+    }
+}
+
+fn internode(snapshot: &Snapshot, i: u32) -> Option<&Internode> {
+    match snapshot.state.get(i as usize) {
+        Some(OrganState::Internode(internode, _)) => Some(internode),
+        _ => None,
+    }
+}
+
+fn internode_below(snapshot: &Snapshot, i: u32) -> Option<&Internode> {
+    internode(snapshot, snapshot.parent[i as usize])
+}
+
+/// A cross-section of a tube.
+#[derive(Debug, Clone, Copy)]
+struct Ring {
+    center: Vec3,
+    direction: Vec3,
+    radius: f32,
+    /// Distance from the base of the axis, metres.
+    along: f32,
+}
+
+/// The wood of every plant, by its index in [`Snapshot::plants`]; a gone plant's is empty.
+///
+/// Texture coordinates: u whole tiles of bark around, v metres from the base of the axis.
+pub fn wood(snapshot: &Snapshot) -> Vec<Surface> {
+    let axes = Axes::of(snapshot);
+    let mut surfaces = vec![Surface::default(); snapshot.plants.len()];
+    let mut rings = Vec::new();
+    for &start in &axes.starts {
+        let plant = snapshot.plant[start as usize] as usize;
+        let Some(surface) = surfaces.get_mut(plant).filter(|_| snapshot.plants[plant].is_some()) else {
+            continue;
+        };
+        lay_rings(snapshot, &axes, start, &mut rings);
+        skin(surface, &rings);
+    }
+    surfaces
+}
+
+/// One ring at the base of the axis and one at the tip of each of its internodes.
+fn lay_rings(snapshot: &Snapshot, axes: &Axes, start: u32, rings: &mut Vec<Ring>) {
+    rings.clear();
+    let mut along = 0.0;
+    let mut last = start;
+    for i in axes.walk(start) {
+        let Some(internode) = internode(snapshot, i) else { break };
+        let pose = &snapshot.pose[i as usize];
+        let heading = pose.heading().try_normalize().unwrap_or(Vec3::Y);
+        let radius = internode.radius;
+        match rings.last_mut() {
+            None => {
+                let widest =
+                    internode_below(snapshot, i).map_or(f32::INFINITY, |below| below.radius.max(radius));
+                rings.push(Ring {
+                    center: pose.position,
+                    direction: heading,
+                    radius: (FLARE * radius).min(widest),
+                    along,
+                });
+            }
+            Some(joint) => {
+                joint.direction = (joint.direction + heading).try_normalize().unwrap_or(heading);
+                joint.radius = 0.5 * (joint.radius + radius);
+            }
+        }
+        along += internode.length;
+        last = i;
+        rings.push(Ring { center: pose.tip(internode.length), direction: heading, radius, along });
+    }
+    if let Some(tip) = rings.last_mut().filter(|_| !axes.bears[last as usize]) {
+        tip.radius *= TIP;
+    }
+}
+
+/// Sides of a tube of this radius.
+fn sides(radius: f32) -> u32 {
+    let [least, most] = SIDES;
+    let wanted = (radius / ROUND_RADIUS).max(0.0).sqrt() * most as f32;
+    (wanted.ceil() as u32).clamp(least, most)
+}
+
+/// Adds the surface through the rings, closed at its tip.
+fn skin(surface: &mut Surface, rings: &[Ring]) {
+    let (Some(&base), Some(&tip)) = (rings.first(), rings.last()) else { return };
+    let sides = sides(base.radius);
+    let tiles = (core::f32::consts::TAU * base.radius / BARK_TILE).round().max(1.0);
+    let mut turns = [(0.0, 1.0); SIDES[1] as usize + 1];
+    // The last is the first again, exactly, so that the seam closes.
+    for k in 1..sides {
+        turns[k as usize] = ops::sin_cos(core::f32::consts::TAU * k as f32 / sides as f32);
+    }
+    let turns = &turns[..=sides as usize];
+
+    let mut frame = base.direction.any_orthonormal_vector();
+    let mut below = base.direction;
+    let mut previous = None;
+    for (j, ring) in rings.iter().enumerate() {
+        frame = transport(frame, below, ring.direction);
+        below = ring.direction;
+        let side = ring.direction.cross(frame);
+        let (before, after) = (&rings[j.saturating_sub(1)], &rings[(j + 1).min(rings.len() - 1)]);
+        let run = after.along - before.along;
+        let slope = if run > 0.0 { (before.radius - after.radius) / run } else { 0.0 };
+        let first = surface.positions.len() as u32;
+        for (k, &(sin, cos)) in turns.iter().enumerate() {
+            let out = frame * cos + side * sin;
+            let normal = (out + ring.direction * slope).try_normalize().unwrap_or(out);
+            let u = tiles * k as f32 / sides as f32;
+            surface.vertex(ring.center + out * ring.radius, normal, [u, ring.along]);
+        }
+        if let Some(lower) = previous {
+            for k in 0..sides {
+                let (a, b, c, d) = (lower + k, lower + k + 1, first + k, first + k + 1);
+                surface.triangle(a, b, c);
+                surface.triangle(b, d, c);
+            }
+        }
+        previous = Some(first);
+    }
+    let apex = tip.center + tip.direction * tip.radius;
+    let apex = surface.vertex(apex, tip.direction, [0.5 * tiles, tip.along + tip.radius]);
+    for k in 0..sides {
+        let first = apex - sides - 1;
+        surface.triangle(first + k, first + k + 1, apex);
+    }
+}
+
+/// `frame`, perpendicular to `from`, turned by the least rotation that takes `from` to `to` (unit vectors).
+fn transport(frame: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+    let nearness = 1.0 + from.dot(to);
+    let turned = if nearness > 1e-4 { frame - (from + to) * (frame.dot(to) / nearness) } else { frame };
+    (turned - to * turned.dot(to)).try_normalize().unwrap_or_else(|| to.any_orthonormal_vector())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(center: Vec3, direction: Vec3, radius: f32, along: f32) -> Ring {
+        Ring { center, direction, radius, along }
+    }
+
+    #[test]
+    fn transport_keeps_a_unit_perpendicular_and_does_not_twist() {
+        let mut direction = Vec3::Y;
+        let mut frame = Vec3::X;
+        for k in 1..=90 {
+            let to = Quat::from_rotation_x((k as f32).to_radians()) * Vec3::Y;
+            frame = transport(frame, direction, to);
+            direction = to;
+            assert!(frame.dot(direction).abs() < 1e-5 && (frame.length() - 1.0).abs() < 1e-5);
+        }
+        assert!((frame - Vec3::X).length() < 1e-4, "{frame}");
+        let flipped = transport(Vec3::X, Vec3::Y, Vec3::NEG_Y);
+        assert!((flipped.length() - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_tube_is_closed_at_its_tip_and_faces_outward() {
+        let mut surface = Surface::default();
+        skin(
+            &mut surface,
+            &[
+                ring(Vec3::ZERO, Vec3::Y, 0.2, 0.0),
+                ring(Vec3::Y, Vec3::Y, 0.15, 1.0),
+                ring(Vec3::Y * 2.0, Vec3::Y, 0.1, 2.0),
+            ],
+        );
+        assert_eq!(surface.positions.len(), 3 * 13 + 1);
+        assert_eq!(surface.triangles(), 12 * 5);
+        for t in surface.indices.chunks(3) {
+            let [a, b, c] = [t[0], t[1], t[2]].map(|i| Vec3::from(surface.positions[i as usize]));
+            let middle = (a + b + c) / 3.0;
+            assert!((b - a).cross(c - a).dot(middle - Vec3::Y * (middle.y - 0.1)) > 0.0);
+        }
+    }
+
+    #[test]
+    fn thick_wood_is_rounder_than_twigs() {
+        assert_eq!((sides(0.0), sides(0.006), sides(0.05), sides(1.0)), (3, 3, 6, 12));
+    }
+}
