@@ -16,7 +16,7 @@ mod species;
 pub use read::{inside, read_text, write_whole};
 pub use run::{RunFile, StepHashes};
 pub use save::{SaveError, read_save, write_save};
-pub use scenario::{ResolvedScenario, ScenarioError};
+pub use scenario::{FARTHEST_M, LARGEST_M, ResolvedScenario, ScenarioError};
 pub use set::parse_value;
 
 use crate::species::parameter::nearest;
