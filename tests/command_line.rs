@@ -107,7 +107,7 @@ fn bad_input_writes_nothing() {
         ("grow open --set species.branching_angel_deg=4", 1, "branching_angle_deg"),
         ("grow open --set scenario.sensing.bud_face=0", 1, "1 to 512"),
         ("grow open --assets nowhere", 1, "nowhere"),
-        ("grow open --steps -1", 2, "--steps"),
+        ("grow open --steps -1", 2, "-1"),
         ("grow open --steps 99999999", 2, "--steps"),
         ("grow open --threads 100000", 2, "--threads"),
         ("grow open --seeds 5..1", 2, "--seeds"),
