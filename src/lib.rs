@@ -36,8 +36,8 @@ pub mod prelude {
     pub use crate::environment::{Lamp, Sky, Solid, SolidShape, Sun};
     pub use crate::growth::{GrowthStep, Mechanisms, Stage, StepCount, grow};
     pub use crate::plant::{
-        Allotment, ApicalBud, Bears, BranchOrder, Exposure, GrowsFrom, Identity, Internode, LateralBud, Leaf, Node,
-        Plant, Pose, Roster, Snapshot,
+        Allotment, ApicalBud, Bears, BranchOrder, Exposure, GrowsFrom, Identity, Internode, LateralBud, Leaf,
+        Node, Plant, Pose, Roster, Snapshot,
     };
     pub use crate::scenario::{Edit, Scenario};
     pub use crate::species::Species;

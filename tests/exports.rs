@@ -96,7 +96,12 @@ fn tree() -> Snapshot {
     axis(trunk[1], 1, Quat::from_rotation_z(0.9), 3, 0.02);
     axis(trunk[3], 1, Quat::from_rotation_z(-0.9), 3, 0.015);
     let dormant = LateralBud { state: LateralBudState::Dormant, ..LateralBud::default() };
-    sketch.organ(trunk[4], 1, Quat::from_rotation_z(0.9), OrganState::LateralBud(dormant, GrowthTarget::default()));
+    sketch.organ(
+        trunk[4],
+        1,
+        Quat::from_rotation_z(0.9),
+        OrganState::LateralBud(dormant, GrowthTarget::default()),
+    );
     sketch.finish()
 }
 

@@ -42,14 +42,16 @@ pub fn standing_solids<'a>(solids: impl Iterator<Item = (&'a Solid, &'a Transfor
             color: solid.color,
         })
         .collect();
-    standing.sort_by_cached_key(|s| (place(s.position), s.rotation.to_array().map(f32::to_bits), s.shape.bits()));
+    standing
+        .sort_by_cached_key(|s| (place(s.position), s.rotation.to_array().map(f32::to_bits), s.shape.bits()));
     standing
 }
 
 /// Lamps in their places, in an order that depends on nothing but where and what they are.
 pub fn standing_lamps<'a>(lamps: impl Iterator<Item = (&'a Lamp, &'a Transform)>) -> Vec<StandingLamp> {
-    let mut standing: Vec<StandingLamp> =
-        lamps.map(|(lamp, transform)| StandingLamp { lamp: *lamp, position: transform.translation }).collect();
+    let mut standing: Vec<StandingLamp> = lamps
+        .map(|(lamp, transform)| StandingLamp { lamp: *lamp, position: transform.translation })
+        .collect();
     standing.sort_by_cached_key(|l| (place(l.position), l.lamp.strength.to_bits(), l.lamp.radius.to_bits()));
     standing
 }

@@ -122,7 +122,8 @@ pub fn grid(images: &[RgbImage], columns: usize, gap: u32) -> RgbImage {
     let columns = columns.clamp(1, images.len().max(1));
     let rows = images.len().div_ceil(columns);
     let width = |c: usize| images.iter().skip(c).step_by(columns).map(|i| i.width()).max().unwrap_or(0);
-    let height = |r: usize| images.iter().skip(r * columns).take(columns).map(|i| i.height()).max().unwrap_or(0);
+    let height =
+        |r: usize| images.iter().skip(r * columns).take(columns).map(|i| i.height()).max().unwrap_or(0);
     let widths: Vec<u32> = (0..columns).map(width).collect();
     let heights: Vec<u32> = (0..rows).map(height).collect();
     let span = |parts: &[u32]| parts.iter().sum::<u32>() + gap * (parts.len() as u32).saturating_sub(1);

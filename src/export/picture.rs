@@ -23,16 +23,12 @@ use crate::environment::trace::{Hit, Seen, Tracer};
 use crate::environment::workers::Workers;
 use daylight::{Daylight, encode};
 use noise::{fract, hash, mix, smooth, unit};
-use surface::{Surface, around};
+use surface::{Surface, View, around};
 
 pub use camera::{Bounds, Camera};
 pub use cross::{CubeMapView, cube_map_picture};
 pub use look::{Palette, PlantLook};
 
-/// Sky-light rays at each sample of wood and leaves.
-const SKY_RAYS: u32 = 2;
-/// Sky-light rays at each sample of large smooth surfaces, where grain would show.
-const SKY_RAYS_SMOOTH: u32 = 4;
 /// How much light the air about a lamp scatters.
 const AIR: f32 = 0.007;
 
@@ -84,8 +80,7 @@ struct Painter<'a> {
     camera: &'a Camera,
     daylight: Daylight,
     size: Vec2,
-    /// Width of a pixel one metre from the eye, metres.
-    pixel: f32,
+    view: View,
 }
 
 /// Draws what a camera sees of the tracer's scene, rows shared among workers.
@@ -107,7 +102,7 @@ pub fn render(
         camera,
         daylight: Daylight::of(scene, palette.grass, camera.forward, camera.right),
         size: Vec2::new(width as f32, height as f32),
-        pixel: 2.0 * camera.tan_half_view / height.max(1) as f32,
+        view: View::of(camera, height),
     };
     let row = |y: usize| -> Vec<[u8; 3]> {
         (0..width).map(|x| painter.pixel_at(x, y as u32, samples.max(1))).collect()
@@ -159,7 +154,7 @@ impl Painter<'_> {
             Seen::Ground => {
                 // Land fades into the air above the horizon.
                 let far = 1.0 - smooth(0.0, 0.03, -d.y);
-                (self.shade(&hit, d, stream).lerp(self.daylight.haze(), far * 0.85), 1)
+                (self.shade(&hit, d, stream).lerp(self.daylight.haze(), far * 0.75), 1)
             }
             Seen::Solid(i) => (self.shade(&hit, d, stream), 10_000 + i),
             Seen::Lamp(i) => (self.shade(&hit, d, stream), 100 + i),
@@ -172,16 +167,14 @@ impl Painter<'_> {
     /// Light a surface sends back along a ray of direction `d`.
     fn shade(&self, hit: &Hit, d: Vec3, stream: Stream) -> Vec3 {
         let point = self.camera.eye + d * hit.t;
-        let slant = hit.normal.dot(d).abs().max(0.05);
-        let footprint = hit.t * self.pixel / slant.sqrt();
-        let surface = Surface::at(self.scene, self.palette, hit, point, d, footprint);
+        let surface = Surface::at(self.scene, self.palette, hit, point, d, &self.view);
         let skin = 2e-4 + 1e-5 * hit.t;
         let thin = surface.through != Vec3::ZERO;
         let front = point + hit.normal * skin;
         let back = point - hit.normal * skin;
 
         let mut light = Vec3::ZERO;
-        let rays = if matches!(hit.seen, Seen::Wood(_) | Seen::Leaf(_)) { SKY_RAYS } else { SKY_RAYS_SMOOTH };
+        let rays = sky_rays(hit.seen);
         for ray in 0..rays {
             let (u, v) = stream.pair(1, stream.sample * rays + ray);
             let to = around(surface.normal, u, v);
@@ -238,10 +231,24 @@ impl Painter<'_> {
             let radius = standing.lamp.radius;
             let miss = (to - d * along).length().max(radius);
             // The inverse square summed along the ray: an angle over the distance at which it passes.
-            let end = if reach.is_finite() { ops::atan((reach - along) / miss) } else { core::f32::consts::FRAC_PI_2 };
+            let end = if reach.is_finite() {
+                ops::atan((reach - along) / miss)
+            } else {
+                core::f32::consts::FRAC_PI_2
+            };
             let seen = (end + ops::atan(along / miss)).max(0.0) / miss;
-            sum + Vec3::from(standing.lamp.color) * (AIR * standing.lamp.strength.max(0.0) * radius * radius * seen)
+            sum + Vec3::from(standing.lamp.color)
+                * (AIR * standing.lamp.strength.max(0.0) * radius * radius * seen)
         })
+    }
+}
+
+/// Sky-light rays at each sample: more on the large smooth surfaces, where grain would show.
+fn sky_rays(seen: Seen) -> u32 {
+    match seen {
+        Seen::Wood(_) | Seen::Leaf(_) => 2,
+        Seen::Ground | Seen::Sky => 4,
+        Seen::Solid(_) | Seen::Lamp(_) => 8,
     }
 }
 
@@ -314,7 +321,8 @@ mod tests {
         let scene = stem(0.05);
         for (azimuth, elevation) in [(0.0, 5.0), (130.0, 0.5), (-60.0, 40.0)] {
             let camera = Camera::framing(&Bounds::of(&scene), azimuth, elevation, SMALL.aspect());
-            let ends = [Vec3::ZERO, Vec3::new(0.0, 2.0, 0.0)].map(|p| camera.project(p, SMALL.aspect()).unwrap());
+            let ends =
+                [Vec3::ZERO, Vec3::new(0.0, 2.0, 0.0)].map(|p| camera.project(p, SMALL.aspect()).unwrap());
             assert!(ends.iter().all(|p| p.abs().max_element() < 0.98), "{ends:?}");
             let height = (ends[1].y - ends[0].y) * 0.5;
             assert!((0.6..0.9).contains(&height), "{height}");

@@ -30,7 +30,13 @@ pub(super) struct Newborn {
 
 impl Newborn {
     /// Spawns it with the state of its kind and enters it in the roster.
-    pub fn bear(self, commands: &mut Commands, roster: &mut Roster, kind: OrganKind, state: impl Bundle) -> Entity {
+    pub fn bear(
+        self,
+        commands: &mut Commands,
+        roster: &mut Roster,
+        kind: OrganKind,
+        state: impl Bundle,
+    ) -> Entity {
         let entity = commands
             .spawn((
                 Identity { plant: self.plant, birth: roster.next_birth, lineage: self.lineage },

@@ -6,8 +6,8 @@ use super::birth::Newborn;
 use super::generation::{BudBroke, Condemned};
 use super::{Mechanisms, StepCount};
 use crate::plant::{
-    Allotment, ApicalBud, Attachment, BranchOrder, Cause, Exposure, GrowsFrom, GrowthSpan,
-    GrowthTarget, Identity, Internode, LateralBud, LateralBudState, OrganKind, Plant, Pose, Roster,
+    Allotment, ApicalBud, Attachment, BranchOrder, Cause, Exposure, GrowsFrom, GrowthSpan, GrowthTarget,
+    Identity, Internode, LateralBud, LateralBudState, OrganKind, Plant, Pose, Roster,
 };
 use crate::species::Species;
 use crate::tropism::Steering;
@@ -39,7 +39,11 @@ pub fn tick(bud: &mut LateralBud, light: f32, energy: f32, species: &Species) ->
         bud.dormancy -= 1;
     }
     bud.starved += 1;
-    if species.patience_steps > 0 && bud.starved > species.patience_steps { BudFate::Die } else { BudFate::Sleep }
+    if species.patience_steps > 0 && bud.starved > species.patience_steps {
+        BudFate::Die
+    } else {
+        BudFate::Sleep
+    }
 }
 
 /// Rule 3 (B -> B A): wakes lateral buds whose dormancy has run out.

@@ -45,11 +45,14 @@ pub fn photosynthesise(
         if roster.kind[i] != OrganKind::Leaf {
             continue;
         }
-        let Ok((identity, span, leaf, exposure, mut flow)) = leaves.get_mut(roster.entity[i]) else { continue };
+        let Ok((identity, span, leaf, exposure, mut flow)) = leaves.get_mut(roster.entity[i]) else {
+            continue;
+        };
         let Ok(plant) = plants.get(identity.plant) else { continue };
         let species = &plant.species;
         let light = if mechanisms.light { exposure.light } else { 1.0 };
-        flow.income = if mechanisms.energy && exposure.sensed { leaf_income(species, leaf.size, light) } else { 0.0 };
+        flow.income =
+            if mechanisms.energy && exposure.sensed { leaf_income(species, leaf.size, light) } else { 0.0 };
         flow.upkeep = if mechanisms.energy { species.leaf_upkeep * leaf.size } else { 0.0 };
         if species.leaf_life_steps > 0 && step.0 - span.born() >= species.leaf_life_steps {
             condemned.0.push((identity.birth, Cause::Senescence));
@@ -75,7 +78,8 @@ pub fn pay_upkeep(
     let mut due = vec![0.0_f64; roster.plants.len()];
     for i in 0..roster.len() {
         let plant = roster.plant[i] as usize;
-        let (Some(species), Ok((internode, apical, mut flow))) = (species[plant], organs.get_mut(roster.entity[i]))
+        let (Some(species), Ok((internode, apical, mut flow))) =
+            (species[plant], organs.get_mut(roster.entity[i]))
         else {
             continue;
         };

@@ -6,8 +6,8 @@ use super::{Mechanisms, StepCount};
 use crate::environment::workers::Workers;
 use crate::plant::{
     Allotment, ApicalBud, Attachment, BranchOrder, Cause, EnergyFlow, EnergyLedger, EnergyStore, Exposure,
-    GrowsFrom, GrowthSpan, GrowthTarget, Identity, Internode, Lineage, NO_PARENT, OrganKind, OrganShed, Plant, Pose, Roster,
-    plant_transform, pose, shed, shed_missing,
+    GrowsFrom, GrowthSpan, GrowthTarget, Identity, Internode, Lineage, NO_PARENT, OrganKind, OrganShed,
+    Plant, Pose, Roster, plant_transform, pose, shed, shed_missing,
 };
 use crate::tropism::Steering;
 
@@ -89,7 +89,8 @@ pub fn germinate(world: &mut World) {
                 Allotment(fed),
             ))
             .id();
-        let birth = world.resource_mut::<Roster>().bear(entity, NO_PARENT, index as u32, OrganKind::ApicalBud);
+        let birth =
+            world.resource_mut::<Roster>().bear(entity, NO_PARENT, index as u32, OrganKind::ApicalBud);
         world.entity_mut(entity).insert(Identity { plant, birth, lineage: Lineage::SEED });
     }
 }
@@ -134,7 +135,8 @@ pub fn derive_poses(
         links.push((pose::Link { parent: roster.parent[i], attachment, length, offset: 0.0 }, radius));
     }
     for i in 0..links.len() {
-        if matches!(roster.kind[i], OrganKind::Leaf | OrganKind::LateralBud) && links[i].0.parent != NO_PARENT {
+        if matches!(roster.kind[i], OrganKind::Leaf | OrganKind::LateralBud) && links[i].0.parent != NO_PARENT
+        {
             links[i].0.offset = links[links[i].0.parent as usize].1;
         }
     }

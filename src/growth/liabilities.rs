@@ -5,7 +5,8 @@ use bevy::prelude::*;
 use super::generation::Condemned;
 use super::{Mechanisms, StepCount};
 use crate::plant::{
-    ApicalBud, Cause, EnergyFlow, EnergyLedger, Exposure, GrowthSpan, Internode, NO_PARENT, OrganKind, Plant, Roster,
+    ApicalBud, Cause, EnergyFlow, EnergyLedger, Exposure, GrowthSpan, Internode, NO_PARENT, OrganKind, Plant,
+    Roster,
 };
 
 /// An organ as the judges see it.
@@ -136,7 +137,9 @@ pub fn shed_liabilities(
                 parent: roster.parent[i],
                 kind: roster.kind[i],
                 begins_axis: roster.parent[i] != NO_PARENT
-                    && organ.and_then(|o| o.4).is_some_and(|internode| internode.height_in_branch <= internode.length),
+                    && organ
+                        .and_then(|o| o.4)
+                        .is_some_and(|internode| internode.height_in_branch <= internode.length),
                 income: organ.map_or(0.0, |o| o.0.income),
                 upkeep: organ.map_or(0.0, |o| o.0.upkeep),
                 sensed: organ.is_none_or(|o| o.2.is_none_or(|e| e.sensed)),

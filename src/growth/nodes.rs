@@ -7,9 +7,8 @@ use super::generation::Condemned;
 use super::{Mechanisms, StepCount};
 use crate::chance::{self, Purpose};
 use crate::plant::{
-    Allotment, ApicalBud, BranchOrder, Cause, EnergyLedger, EnergyStore, Exposure,
-    GrowthSpan, GrowthTarget, Identity, LateralBud, Leaf, LeafState, Lineage, Node,
-    OrganKind, Plant, Pose, Roster, pose,
+    Allotment, ApicalBud, BranchOrder, Cause, EnergyLedger, EnergyStore, Exposure, GrowthSpan, GrowthTarget,
+    Identity, LateralBud, Leaf, LeafState, Lineage, Node, OrganKind, Plant, Pose, Roster, pose,
 };
 use crate::species::{Allocation, Species};
 use crate::tropism::Steering;
@@ -110,9 +109,8 @@ pub fn form_nodes(
         let species = &plant.species;
         let mut organs = layout(species, node.phyllotaxis, order.0);
         let mut rng = chance::stream(plant.seed, identity.lineage, step.0, Purpose::TerminalDeath);
-        let dies = node.ends_unit
-            && bud.nodes > 1
-            && chance::unit(&mut rng) < species.terminal_death.get(order.0);
+        let dies =
+            node.ends_unit && bud.nodes > 1 && chance::unit(&mut rng) < species.terminal_death.get(order.0);
         if dies {
             organs.extend(fork(species, node.phyllotaxis + core::f32::consts::FRAC_PI_2));
         }
@@ -143,7 +141,11 @@ pub fn form_nodes(
                     newborn.bear(&mut commands, &mut roster, organ.kind, state);
                 }
                 OrganKind::LateralBud => {
-                    let bud = LateralBud { dormancy: species.dormancy_steps, rank: node.rank, ..Default::default() };
+                    let bud = LateralBud {
+                        dormancy: species.dormancy_steps,
+                        rank: node.rank,
+                        ..Default::default()
+                    };
                     let state = (bud, target, inherited, Allotment(0.0));
                     newborn.bear(&mut commands, &mut roster, organ.kind, state);
                 }

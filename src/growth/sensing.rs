@@ -54,7 +54,12 @@ pub fn gather_probes(world: &mut World) {
 }
 
 /// What organ `i` asks of the environment, if it looks at all.
-pub fn request(shot: &Snapshot, i: usize, settings: &Sensing, mechanisms: Mechanisms) -> Option<SenseRequest> {
+pub fn request(
+    shot: &Snapshot,
+    i: usize,
+    settings: &Sensing,
+    mechanisms: Mechanisms,
+) -> Option<SenseRequest> {
     let species = &*shot.plants[shot.plant[i] as usize].as_ref()?.species;
     let pose = shot.pose[i];
     let will_grow = shot.allotment[i] > 0.0 || !mechanisms.energy;

@@ -77,7 +77,9 @@ pub fn share_surplus(
     }
     for (index, entity) in roster.plants.iter().enumerate() {
         let Some(entity) = *entity else { continue };
-        let (Ok(plant), Ok((mut store, ledger))) = (plants.get(entity), books.get_mut(entity)) else { continue };
+        let (Ok(plant), Ok((mut store, ledger))) = (plants.get(entity), books.get_mut(entity)) else {
+            continue;
+        };
         let species = &*plant.species;
         let surplus = (ledger.income - ledger.upkeep - ledger.unpaid).max(0.0).min(store.stored);
         let reserve = store.stored - surplus;
@@ -145,7 +147,9 @@ fn share_by_exposure<'a>(
                 Some((i, claim))
             })
             .unzip();
-        shares.extend(claimants.into_iter().zip(by_exposure(&claims, &mut energy)).filter(|(_, share)| *share > 0.0));
+        shares.extend(
+            claimants.into_iter().zip(by_exposure(&claims, &mut energy)).filter(|(_, share)| *share > 0.0),
+        );
     }
     shares
 }

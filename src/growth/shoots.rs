@@ -183,8 +183,17 @@ pub fn extend_shoots(
             continue;
         }
         let entity = roster.entity[i];
-        let Ok((mut identity, order, mut pose, mut attachment, mut span, target, mut steering, mut allotment, mut bud)) =
-            buds.get_mut(entity)
+        let Ok((
+            mut identity,
+            order,
+            mut pose,
+            mut attachment,
+            mut span,
+            target,
+            mut steering,
+            mut allotment,
+            mut bud,
+        )) = buds.get_mut(entity)
         else {
             continue;
         };
@@ -220,7 +229,8 @@ pub fn extend_shoots(
             }
         }
         let plant_index = roster.plant[i];
-        let mut stem = (parent, if parent == NO_PARENT { identity.plant } else { roster.entity[parent as usize] });
+        let mut stem =
+            (parent, if parent == NO_PARENT { identity.plant } else { roster.entity[parent as usize] });
         let mut below_rotation = (pose.rotation * attachment.0.inverse()).normalize();
         let count = segments.len() as f32;
         let last = segments.iter().rposition(|s| s.node.is_some());

@@ -97,7 +97,11 @@ pub fn flow(sinks: &[Sink], total: f32, control: impl Fn(u32) -> f32) -> Vec<f32
         }
         vigour[i] = match sinks[i].parent {
             NO_PARENT => {
-                if root_main > 0.0 { total * demand[i] / root_main } else { 0.0 }
+                if root_main > 0.0 {
+                    total * demand[i] / root_main
+                } else {
+                    0.0
+                }
             }
             p => {
                 let p = p as usize;

@@ -51,7 +51,8 @@ pub fn thicken_wood(
     let mut share = vec![1.0_f32; roster.plants.len()];
     for (plant, entity) in roster.plants.iter().enumerate() {
         let Some(entity) = *entity else { continue };
-        let (Ok(Plant { species, .. }), Ok((mut store, mut ledger))) = (plants.get(entity), books.get_mut(entity))
+        let (Ok(Plant { species, .. }), Ok((mut store, mut ledger))) =
+            (plants.get(entity), books.get_mut(entity))
         else {
             continue;
         };

@@ -5,7 +5,8 @@ use bevy::ecs::world::DeferredWorld;
 use bevy::prelude::*;
 
 use super::{
-    Allotment, Cause, EnergyLedger, Fallen, GrowthSpan, Identity, NO_PARENT, OrganShed, Plant, Roster, Tombstone,
+    Allotment, Cause, EnergyLedger, Fallen, GrowthSpan, Identity, NO_PARENT, OrganShed, Plant, Roster,
+    Tombstone,
 };
 use crate::growth::StepCount;
 
@@ -49,7 +50,8 @@ fn bury(world: &mut World, fate: &[Option<Cause>]) -> usize {
         let Some(cause) = fate[i] else { continue };
         gone += 1;
         let roster = world.resource::<Roster>();
-        let (entity, plant, kind, birth) = (roster.entity[i], roster.plant[i], roster.kind[i], roster.birth[i]);
+        let (entity, plant, kind, birth) =
+            (roster.entity[i], roster.plant[i], roster.kind[i], roster.birth[i]);
         let plant_entity = roster.plants[plant as usize];
         let Ok(organ) = world.get_entity(entity) else { continue };
         let tombstone = Tombstone {

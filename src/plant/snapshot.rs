@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Allotment, ApicalBud, Attachment, BranchOrder, EnergyFlow, EnergyLedger, EnergyStore, Exposure,
-    GrowthSpan, GrowsFrom, GrowthTarget, Identity, Internode, LateralBud, Leaf, Lineage, NO_PARENT, Node, OrganKind,
-    Plant, Pose, Roster,
+    GrowsFrom, GrowthSpan, GrowthTarget, Identity, Internode, LateralBud, Leaf, Lineage, NO_PARENT, Node,
+    OrganKind, Plant, Pose, Roster,
 };
 use crate::growth::StepCount;
 use crate::species::Species;
@@ -131,7 +131,8 @@ impl Snapshot {
             fn read<C: Component + Copy + Default>(organ: Option<EntityRef<'_>>) -> C {
                 organ.and_then(|o| o.get::<C>().copied()).unwrap_or_default()
             }
-            shot.lineage.push(organ.and_then(|o| o.get::<Identity>().map(|id| id.lineage)).unwrap_or_default());
+            shot.lineage
+                .push(organ.and_then(|o| o.get::<Identity>().map(|id| id.lineage)).unwrap_or_default());
             shot.span.push(read(organ));
             shot.order.push(read::<BranchOrder>(organ).0);
             shot.attachment.push(read::<Attachment>(organ).0);

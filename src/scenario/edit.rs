@@ -188,8 +188,9 @@ pub fn apply(world: &mut World, edit: &Edit) -> Result<EditOutcome, EditError> {
         Edit::Top { plant, above } => {
             let base = plant_entity(world, *plant)?;
             let floor = plant_transform(world, base).translation.y + above;
-            let cut: Vec<(u32, Cause)> =
-                organs_of(world, *plant, |pose| pose.position.y >= floor).map(|b| (b, Cause::Pruned)).collect();
+            let cut: Vec<(u32, Cause)> = organs_of(world, *plant, |pose| pose.position.y >= floor)
+                .map(|b| (b, Cause::Pruned))
+                .collect();
             shed_count = shed(world, &cut);
         }
         Edit::Uproot { plant } => {
@@ -279,7 +280,9 @@ fn birth_of(world: &World, plant: u32, lineage: Lineage) -> Option<u32> {
 fn organs_of(world: &World, plant: u32, chosen: impl Fn(&Pose) -> bool) -> impl Iterator<Item = u32> {
     let roster = world.resource::<Roster>();
     (0..roster.len())
-        .filter(move |&i| roster.plant[i] == plant && world.get::<Pose>(roster.entity[i]).is_some_and(&chosen))
+        .filter(move |&i| {
+            roster.plant[i] == plant && world.get::<Pose>(roster.entity[i]).is_some_and(&chosen)
+        })
         .map(|i| roster.birth[i])
 }
 

@@ -12,6 +12,7 @@ use crate::BurgeonPlugins;
 use crate::environment::plugin::standing_scene;
 use crate::environment::workers::Workers;
 use crate::environment::{Ground, Lamp, Scene, Sky, Solid, Sun, add_plants};
+use crate::files::ResolvedScenario;
 use crate::growth::{Mechanisms, StepCount, finish::StageTimes, grow};
 use crate::limits;
 use crate::plant::measure::{StageSeconds, StepRecord};
@@ -71,16 +72,13 @@ pub struct GardenSave {
 }
 
 impl Garden {
-    /// Sets out a scenario. `species` holds every species that it or its edits name.
+    /// Sets out a scenario with its species.
     ///
     /// # Errors
     /// The first planting, solid or lamp that cannot be placed.
-    pub fn new(
-        scenario: Scenario,
-        species: BTreeMap<String, Arc<Species>>,
-        seed: u64,
-        workers: Workers,
-    ) -> Result<Self, EditError> {
+    pub fn new(resolved: ResolvedScenario, seed: u64, workers: Workers) -> Result<Self, EditError> {
+        let ResolvedScenario { scenario, species } = resolved;
+        let species = species.into_iter().map(|(name, species)| (name, Arc::new(species))).collect();
         let mut world = bare_world(workers);
         world.insert_resource(SpeciesBook(species));
         world.insert_resource(RunSeed(seed));

@@ -37,7 +37,8 @@ pub(super) fn set_solid(world: &mut World, solid: &PlacedSolid) {
     world.spawn((
         Name::new(solid.name.clone()),
         Solid { shape: solid.shape, color: solid.color.linear() },
-        Transform::from_translation(solid.at).with_rotation(Quat::from_rotation_y(solid.turn_deg.to_radians())),
+        Transform::from_translation(solid.at)
+            .with_rotation(Quat::from_rotation_y(solid.turn_deg.to_radians())),
     ));
 }
 

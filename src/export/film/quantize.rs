@@ -35,7 +35,8 @@ struct Cluster {
 impl Cluster {
     fn new(colors: Vec<([u8; 3], u64)>) -> Self {
         let count = colors.iter().map(|c| c.1).sum::<u64>().max(1) as f64;
-        let mean = [0, 1, 2].map(|i| colors.iter().map(|c| f64::from(c.0[i]) * c.1 as f64).sum::<f64>() / count);
+        let mean =
+            [0, 1, 2].map(|i| colors.iter().map(|c| f64::from(c.0[i]) * c.1 as f64).sum::<f64>() / count);
         let scatter = [0, 1, 2].map(|i| {
             let spread = colors.iter().map(|c| (f64::from(c.0[i]) - mean[i]).powi(2) * c.1 as f64);
             spread.sum::<f64>() * f64::from(WEIGHT[i])
@@ -61,9 +62,9 @@ impl Quantizer {
             *count += 1;
         }
         // Roots of counts: a lamp's few bright pixels matter beside a whole sky.
-        let colors = cells.into_values().map(|(sum, count)| {
-            (sum.map(|s| (s / count) as u8), ((count as f64).sqrt() * 16.0) as u64 + 1)
-        });
+        let colors = cells
+            .into_values()
+            .map(|(sum, count)| (sum.map(|s| (s / count) as u8), ((count as f64).sqrt() * 16.0) as u64 + 1));
         let mut clusters = vec![Cluster::new(colors.collect())];
         while clusters.len() < most {
             let worst = (0..clusters.len())
@@ -90,7 +91,8 @@ impl Quantizer {
             return known;
         }
         let middle = color.map(|c| c & !3 | 2);
-        let best = (0..self.palette.len()).min_by_key(|i| distance(self.palette[*i], middle)).unwrap_or(0) as u8;
+        let best =
+            (0..self.palette.len()).min_by_key(|i| distance(self.palette[*i], middle)).unwrap_or(0) as u8;
         self.nearest[at] = Some(best);
         best
     }

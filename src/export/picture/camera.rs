@@ -51,16 +51,9 @@ impl Span {
     }
     /// Points on a rounded body inside the box: crowns have no corners.
     fn rounded(self) -> impl Iterator<Item = Vec3> {
-        const RING: [(f32, f32); 8] = [
-            (1.0, 0.0),
-            (0.7071, 0.7071),
-            (0.0, 1.0),
-            (-0.7071, 0.7071),
-            (-1.0, 0.0),
-            (-0.7071, -0.7071),
-            (0.0, -1.0),
-            (0.7071, -0.7071),
-        ];
+        const D: f32 = core::f32::consts::FRAC_1_SQRT_2;
+        const RING: [(f32, f32); 8] =
+            [(1.0, 0.0), (D, D), (0.0, 1.0), (-D, D), (-1.0, 0.0), (-D, -D), (0.0, -1.0), (D, -D)];
         const LEVELS: [(f32, f32); 4] = [(0.0, 0.1), (0.35, 1.0), (0.75, 1.0), (1.0, 0.5)];
         LEVELS.into_iter().flat_map(move |(level, width)| {
             RING.into_iter().map(move |(x, z)| {
@@ -183,8 +176,7 @@ impl Camera {
         let azimuth = azimuth_deg.to_radians();
         let elevation = elevation_deg.clamp(-80.0, 89.0).to_radians();
         let flat = ops::cos(elevation);
-        let back =
-            Vec3::new(ops::sin(azimuth) * flat, ops::sin(elevation), ops::cos(azimuth) * flat);
+        let back = Vec3::new(ops::sin(azimuth) * flat, ops::sin(elevation), ops::cos(azimuth) * flat);
         let mut target = plants.center();
         let mut distance = plants.size().length().max(0.1) * 0.5 / TAN_HALF_VIEW;
         let mut camera = Self::looking(target + back * distance, target);

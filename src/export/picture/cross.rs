@@ -67,10 +67,17 @@ pub fn cube_map_picture(map: &CubeMap, tracer: &Tracer, palette: &Palette, view:
                 _ => up,
             };
             let toward = Vec3::new(across, height, 1.0).normalize();
-            Rgb(encode(color(tracer, palette, &daylight, texel.seen, texel.depth / view.range.max(1e-6), toward)))
+            Rgb(encode(color(
+                tracer,
+                palette,
+                &daylight,
+                texel.seen,
+                texel.depth / view.range.max(1e-6),
+                toward,
+            )))
         });
         let scale = if side >= 240 { 2 } else { 1 };
-        let numbers = format!("light {:.2}\nspace {:.2}", reading.light, reading.space);
+        let numbers = format!("light {:.2}\nspace {:.2}", reading.light.abs(), reading.space);
         let low = i64::from(side) - i64::from(text_size(&numbers, scale).1) - 4;
         write_text(&mut image, 4, 4, name, scale, [255; 3]);
         write_text(&mut image, 4, low, &numbers, scale, [255; 3]);
@@ -81,7 +88,7 @@ pub fn cube_map_picture(map: &CubeMap, tracer: &Tracer, palette: &Palette, view:
         "share {:.3}\nspace {:.3}\nsky light {:.3}",
         map.share(view.weight),
         map.space(view.range, view.weight),
-        map.sky_light(&scene.sky)
+        map.sky_light(&scene.sky).abs()
     );
     let scale = if text_size(&whole, 2).0 + 16 < 2 * side { 2 } else { 1 };
     write_on_paper(&mut sheet, at(2) + 8, at(0) + 8, &whole, scale);

@@ -50,7 +50,11 @@ impl Daylight {
             None => {
                 let level = Vec3::new(-forward.x, 0.0, -forward.z).normalize_or(Vec3::Z);
                 let direction = (level * 0.75 - right * 0.85 + Vec3::Y * 1.05).normalize();
-                Some(Key { direction, color: Vec3::new(1.0, 0.95, 0.86) * (1.35 * sky * (1.0 - 0.55 * dusk)), spread: 0.09 })
+                Some(Key {
+                    direction,
+                    color: Vec3::new(1.0, 0.95, 0.86) * (1.35 * sky * (1.0 - 0.55 * dusk)),
+                    spread: 0.09,
+                })
             }
         };
         let lit = key.map_or(Vec3::ZERO, |key| key.color * key.direction.y.max(0.0));
@@ -58,7 +62,8 @@ impl Daylight {
         let ambient = tint * sky + night;
 
         // Lamps count by what they give at ten radii, wherever they stand: moving one must not flicker.
-        let lamps = scene.lamps.iter().filter(|s| s.lamp.on).map(|s| s.lamp.strength.max(0.0) * 0.01).sum::<f32>();
+        let lamps =
+            scene.lamps.iter().filter(|s| s.lamp.on).map(|s| s.lamp.strength.max(0.0) * 0.01).sum::<f32>();
         let level = 0.8 * sky + 0.35 * lit.element_sum() + 0.08 * lamps.min(4.0) + 0.01;
         // The eye adapts, but not all the way: dusk stays darker than noon.
         let exposure = 1.0 / ops::powf(level, 0.68);

@@ -3,10 +3,33 @@
 use bevy::math::ops;
 use bevy::prelude::*;
 
+use super::camera::Camera;
 use super::look::Palette;
 use super::noise::{fract, hash, mix, rough, smooth, unit, value};
 use crate::environment::trace::{Hit, Seen};
 use crate::environment::{LeafPatch, Scene, SolidShape, StandingSolid};
+
+/// What surfaces need to know of the camera.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct View {
+    /// Right of the picture, unit vector.
+    pub(super) right: Vec3,
+    /// How much shorter grain on the ground is across the view than along it.
+    pub(super) slope: f32,
+    /// Width of a pixel one metre from the eye, metres.
+    pub(super) pixel: f32,
+}
+
+impl View {
+    pub(super) fn of(camera: &Camera, height: u32) -> Self {
+        let foreground = camera.ray(0.0, -0.7, 1.0);
+        Self {
+            right: camera.right,
+            slope: (-2.6 * foreground.y).clamp(0.15, 1.0),
+            pixel: 2.0 * camera.tan_half_view / height.max(1) as f32,
+        }
+    }
+}
 
 /// How light leaves a surface.
 #[derive(Debug, Clone, Copy)]
@@ -26,15 +49,9 @@ impl Surface {
         Self { color, through: Vec3::ZERO, normal, sheen: 0.0 }
     }
 
-    /// The surface met by a ray of direction `d` at `point`; `footprint` is the width of a pixel there, metres.
-    pub(super) fn at(
-        scene: &Scene,
-        palette: &Palette,
-        hit: &Hit,
-        point: Vec3,
-        d: Vec3,
-        footprint: f32,
-    ) -> Self {
+    /// The surface met by a ray of direction `d` at `point`.
+    pub(super) fn at(scene: &Scene, palette: &Palette, hit: &Hit, point: Vec3, d: Vec3, view: &View) -> Self {
+        let footprint = hit.t * view.pixel;
         match hit.seen {
             Seen::Wood(i) => {
                 let wood = &scene.capsules[i as usize];
@@ -46,7 +63,7 @@ impl Surface {
             }
             Seen::Solid(i) => wall(&scene.solids[i as usize], point, hit.normal, footprint),
             Seen::Lamp(_) => Self::matt(Vec3::new(0.55, 0.53, 0.48), hit.normal),
-            Seen::Ground | Seen::Sky => Self::matt(meadow(palette, point, footprint), hit.normal),
+            Seen::Ground | Seen::Sky => Self::matt(meadow(palette, point, view, footprint), hit.normal),
         }
     }
 }
@@ -115,16 +132,24 @@ fn wall(solid: &StandingSolid, point: Vec3, normal: Vec3, footprint: f32) -> Sur
 }
 
 /// A meadow: grass and bare patches, finer grain the nearer it is.
-fn meadow(palette: &Palette, point: Vec3, footprint: f32) -> Vec3 {
-    let flat = Vec3::new(point.x, 0.0, point.z);
+///
+/// Grain is drawn out along the view, which perspective shortens: tufts stand rather than lie.
+fn meadow(palette: &Palette, point: Vec3, view: &View, footprint: f32) -> Vec3 {
     let keep = |size: f32| smooth(0.8, 4.0, size / footprint.max(1e-6));
+    let flat = Vec3::new(point.x, 0.0, point.z);
+    let across = view.right.dot(flat);
+    let along = view.right.cross(Vec3::Y).dot(flat) * view.slope;
+    let grain = |size: f32, seed: f32| {
+        let keep = keep(size);
+        if keep > 0.0 { (value(Vec3::new(across / size, seed, along / size)) - 0.5) * keep } else { 0.0 }
+    };
     let patch = rough(flat * 0.35, 3);
-    let tuft = (value(flat * 4.0) - 0.5) * keep(0.25) + (value(flat * 11.0) - 0.5) * 0.8 * keep(0.09);
-    let blade = (value(flat * Vec3::new(45.0, 0.0, 20.0)) - 0.5) * keep(0.03);
-    let bare = smooth(0.52, 0.78, patch + 0.10 * tuft);
-    let color = palette.grass.lerp(palette.earth, bare * 0.75);
+    let tuft = grain(0.30, 3.5) + 0.9 * grain(0.11, 7.5);
+    let blade = grain(0.045, 11.5) + 0.8 * grain(0.02, 15.5);
+    let bare = smooth(0.52, 0.78, patch + 0.12 * tuft);
+    let color = palette.grass.lerp(palette.earth, bare * 0.7);
     let dry = 1.0 + 0.18 * (value(flat * 0.9 + Vec3::splat(31.0)) - 0.5);
-    color * Vec3::new(dry, 1.0, 1.0) * (1.0 + 0.34 * tuft + 0.40 * blade)
+    color * Vec3::new(dry, 1.0, 1.0) * (1.0 + 0.26 * tuft + 0.34 * blade)
 }
 
 /// A direction about `normal`, likelier the nearer to it, from two numbers in 0..1.
