@@ -196,7 +196,7 @@ impl Grow {
             return Ok((new(garden, run), steps, None));
         }
         let plan = self.input.plan()?;
-        let garden = plan.resolved.garden(plan.seed, workers)?;
+        let garden = Garden::new(plan.resolved.clone(), plan.seed, workers)?;
         let run = RunFile::new(&plan.resolved, plan.seed, 0, StepHashes::default());
         Ok((new(garden, run), plan.steps, plan.again.map(|run| run.hashes)))
     }

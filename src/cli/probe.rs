@@ -9,6 +9,7 @@ use burgeon::export::film::save_png;
 use burgeon::export::picture::{CubeMapView, Palette, cube_map_picture};
 use burgeon::files::{FARTHEST_M, RunFile, StepHashes};
 use burgeon::limits;
+use burgeon::scenario::Garden;
 use clap::Args;
 use serde::Serialize;
 
@@ -83,7 +84,7 @@ impl ProbeAt {
         let plan = self.input.plan()?;
         let name = plan.resolved.scenario.name.clone();
         let mut folder = self.output.folder(&format!("{name}_probe"), &["probe.png"])?;
-        let garden = plan.resolved.garden(plan.seed, self.input.workers()?)?;
+        let garden = Garden::new(plan.resolved.clone(), plan.seed, self.input.workers()?)?;
         let run = RunFile::new(&plan.resolved, plan.seed, 0, StepHashes::default());
         let mut growing = Growing { garden, run, stopped: None, seconds: 0.0 };
         growing.grow(plan.steps, |_, _| {});

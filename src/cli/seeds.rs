@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use burgeon::environment::workers::Workers;
 use burgeon::plant::measure::Form;
+use burgeon::scenario::Garden;
 use serde::Serialize;
 
 use super::Failure;
@@ -85,7 +86,7 @@ pub fn run(input: &Input, output: &Output, seeds: SeedRange, json: bool) -> Resu
     let bar = progress(count as u64, "tree");
     let trees = input.workers()?.map(count, |i| {
         let seed = seeds.first + i as u64;
-        let mut garden = plan.resolved.garden(seed, Workers::new(1)?)?;
+        let mut garden = Garden::new(plan.resolved.clone(), seed, Workers::new(1)?)?;
         let mut stopped = None;
         while garden.steps() < plan.steps && stopped.is_none() {
             stopped = garden.step().err();

@@ -1,7 +1,7 @@
 //! Scenarios as files: what every field may be, reading, checking and writing.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, LazyLock};
+use std::sync::LazyLock;
 
 use bevy::prelude::Vec3;
 
@@ -9,11 +9,8 @@ use super::ron_text::{differing, file_of, invalid, line_of, list_of, parse, shor
 use super::source::{Source, split_path};
 use super::species::{NAME, TEXT};
 use super::{FileError, VERSION};
-use crate::environment::workers::Workers;
 use crate::limits;
-use crate::scenario::{
-    Edit, EditError, Garden, PlacedLamp, PlacedSolid, PlacedSun, Planting, Scenario, TimedEdit,
-};
+use crate::scenario::{Edit, PlacedLamp, PlacedSolid, PlacedSun, Planting, Scenario, TimedEdit};
 use crate::species::Species;
 use crate::species::parameter::{Color, Parameter, ParameterType, Range, Value};
 
@@ -29,17 +26,6 @@ pub struct ResolvedScenario {
     pub scenario: Scenario,
     /// The species, by the name plants give.
     pub species: BTreeMap<String, Species>,
-}
-
-impl ResolvedScenario {
-    /// Sets it out, ready to grow.
-    ///
-    /// # Errors
-    /// What cannot be set out; nothing, if the scenario is valid.
-    pub fn garden(&self, seed: u64, workers: Workers) -> Result<Garden, EditError> {
-        let species = self.species.iter().map(|(name, s)| (name.clone(), Arc::new(s.clone()))).collect();
-        Garden::new(self.scenario.clone(), species, seed, workers)
-    }
 }
 
 /// A value in a scenario that is out of range or does not fit the rest.
