@@ -347,7 +347,9 @@ fn a_run_reads_back_as_itself_and_names_what_is_wrong() {
         }
         other => panic!("{other:?}"),
     }
-    let missing = text.replace("\"oak\"", "\"elm\"").replacen("\"elm\": ", "\"oak\": ", 1);
+    let misnamed = text.replace("name: \"oak\"", "name: \"elm\"");
+    assert!(matches!(RunFile::from_ron(&misnamed, "run.ron"), Err(FileError::Invalid { .. })));
+    let missing = text.replace("species: \"oak\"", "species: \"elm\"");
     assert!(matches!(RunFile::from_ron(&missing, "run.ron"), Err(FileError::NoSuchSpecies { .. })));
     let seedless = text.replace("    seed: 18446744073709551615,\n", "");
     assert!(matches!(RunFile::from_ron(&seedless, "run.ron"), Err(FileError::Syntax { .. })));
