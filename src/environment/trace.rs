@@ -293,54 +293,98 @@ impl<'a> Tracer<'a> {
         reach: f32,
         mut test: impl FnMut(&'b Item, &mut f32) -> bool,
     ) -> bool {
-        let o = o.to_array();
-        let inverse = d.to_array().map(|x| if x.abs() < 1e-18 { 1e18_f32.copysign(x) } else { 1.0 / x });
-        let mut reach = reach;
+        let inverse = inverse(d);
+        !self.nodes.is_empty()
+            && self.visit_below(0, &o.to_array(), &inverse, reach, |index, reach| {
+                test(&self.items[index as usize], reach)
+            })
+    }
+
+    /// The same for the boxes in one box, which is not tested itself, with the indices of the items.
+    #[inline]
+    fn visit_below(
+        &self,
+        top: u32,
+        o: &[f32; 3],
+        inverse: &[f32; 3],
+        mut reach: f32,
+        mut test: impl FnMut(u32, &mut f32) -> bool,
+    ) -> bool {
         let mut stack = Stack::new();
-        if let Some(t) = self.nodes.first().and_then(|root| root.enter(&o, &inverse)) {
-            stack.push((0, t));
-        }
-        while let Some((index, t)) = stack.pop() {
-            if t > reach {
-                continue;
-            }
+        let mut index = top;
+        loop {
             let node = &self.nodes[index as usize];
-            let first = node.first as usize;
             if node.count > 0 {
-                for item in &self.items[first..first + node.count as usize] {
+                for item in node.first..node.first + node.count {
                     if test(item, &mut reach) {
                         return true;
                     }
                 }
-                continue;
+            } else {
+                let (left, right) = (node.first, node.first + 1);
+                let a = self.nodes[left as usize].enter(o, inverse, reach);
+                let b = self.nodes[right as usize].enter(o, inverse, reach);
+                match (a, b) {
+                    (Some(a), Some(b)) => {
+                        let (near, far) = if a <= b { (left, (right, b)) } else { (right, (left, a)) };
+                        stack.push(far);
+                        index = near;
+                        continue;
+                    }
+                    (Some(_), None) => {
+                        index = left;
+                        continue;
+                    }
+                    (None, Some(_)) => {
+                        index = right;
+                        continue;
+                    }
+                    (None, None) => {}
+                }
             }
-            let (left, right) = (node.first, node.first + 1);
-            let left = self.nodes[left as usize].enter(&o, &inverse).map(|t| (left, t));
-            let right = self.nodes[right as usize].enter(&o, &inverse).map(|t| (right, t));
-            match (left, right) {
-                (Some(a), Some(b)) if a.1 <= b.1 => stack.extend([b, a]),
-                (Some(a), Some(b)) => stack.extend([a, b]),
-                (one, other) => stack.extend(one.or(other)),
+            loop {
+                let Some((next, t)) = stack.pop() else {
+                    return false;
+                };
+                if t <= reach {
+                    index = next;
+                    break;
+                }
             }
         }
-        false
     }
 }
 
 impl Node {
-    /// Where a ray enters the box.
+    /// Where a ray enters the box, if it does so within `reach`.
     #[inline]
-    fn enter(&self, o: &[f32; 3], inverse: &[f32; 3]) -> Option<f32> {
-        let (mut near, mut far) = (0.0_f32, f32::INFINITY);
+    fn enter(&self, o: &[f32; 3], inverse: &[f32; 3], reach: f32) -> Option<f32> {
+        let (mut near, mut far) = (0.0_f32, reach);
         for k in 0..3 {
             let a = (self.min[k] - o[k]) * inverse[k];
             let b = (self.max[k] - o[k]) * inverse[k];
-            near = near.max(a.min(b));
-            far = far.min(a.max(b));
+            near = larger(near, smaller(a, b));
+            // The factor outweighs the rounding of both ends.
+            far = smaller(far, larger(a, b) * 1.000_001);
         }
-        // The factor outweighs the rounding of both ends.
-        (near <= far * 1.000_001).then_some(near)
+        (near <= far).then_some(near)
     }
+}
+
+/// Numbers here are never NaN, which `f32::min` and `max` take pains to treat.
+#[inline]
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+#[inline]
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
+/// One over each part of a direction; very large instead of infinite.
+fn inverse(d: Vec3) -> [f32; 3] {
+    d.to_array().map(|x| if x.abs() < 1e-18 { 1e18_f32.copysign(x) } else { 1.0 / x })
 }
 
 fn usable(origin: Vec3, dd: f32) -> bool {
