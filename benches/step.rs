@@ -1,0 +1,2 @@
+//! Growth steps.
+fn main() {}
