@@ -16,10 +16,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Plants of one kind may share their species.
     let oak = Arc::new(Species::named("oak")?);
-    for (x, seed) in [(-0.6, 1), (0.6, 2), (40.0, 1)] {
+    for (x, seed) in [(-0.4, 1), (0.4, 2), (40.0, 1)] {
         app.world_mut().spawn((Plant::new(oak.clone(), seed), Transform::from_xyz(x, 0.0, 0.0)));
     }
-    grow(app.world_mut(), 14);
+    grow(app.world_mut(), 9);
 
     // Plants are numbered in the order of planting.
     let snapshot = Snapshot::take(app.world());
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
 
     // Each grows away from the other: their crowns lean outward.
-    for (plant, x) in [(0, -0.6), (1, 0.6)] {
+    for (plant, x) in [(0, -0.4), (1, 0.4)] {
         let leaves: Vec<f32> = (0..snapshot.len())
             .filter(|&i| snapshot.plant[i] == plant && snapshot.state[i].kind() == OrganKind::Leaf)
             .map(|i| snapshot.pose[i].position.x - x)
