@@ -146,13 +146,15 @@ impl Library {
                 continue;
             }
             let at = || place_in(text, file, &path);
-            let found = match folder {
+            let mut found = match folder {
                 Some(folder) if is_path(name) => {
                     let path = inside(folder, name, &at())?;
                     Species::from_ron(&read_text(&path)?, &path.display().to_string())?
                 }
                 _ => self.species(name).map_err(|e| e.moved_to(at()))?,
             };
+            // Here it goes by the name plants and edits give it.
+            found.name = name.to_string();
             species.insert(name.to_string(), found);
         }
         scenario.order_edits();
@@ -169,7 +171,8 @@ impl Library {
         let mut species = BTreeMap::new();
         for (name, _) in scenario.species_named() {
             if !species.contains_key(name) {
-                species.insert(name.to_string(), self.species(name)?);
+                let found = Species { name: name.to_string(), ..self.species(name)? };
+                species.insert(name.to_string(), found);
             }
         }
         Ok(ResolvedScenario { scenario, species })

@@ -3,6 +3,7 @@
 //! Whatever is wrong with a file is one [`FileError`]: where it is, what is there and what is allowed. Nothing
 //! is clamped silently and nothing is half loaded.
 
+mod check;
 mod read;
 mod ron_text;
 mod run;
@@ -15,7 +16,7 @@ mod species;
 pub use read::{inside, read_text, write_whole};
 pub use run::{RunFile, StepHashes};
 pub use save::{SaveError, read_save, write_save};
-pub use scenario::{ResolvedScenario, ScenarioError};
+pub use scenario::{FARTHEST_M, LARGEST_M, ResolvedScenario, ScenarioError};
 pub use set::parse_value;
 
 use crate::species::parameter::nearest;

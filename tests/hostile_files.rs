@@ -163,11 +163,11 @@ fn edits_name_what_stands_there_at_their_step() {
     assert_eq!(wrong("(step: 1, edit: Sun(strength: 99))"), "edits[0].edit.strength");
     assert_eq!(wrong("(step: 9999999, edit: Sun(None))"), "edits[0].step");
     assert_eq!(
-        wrong("(step: 1, edit: Set(species: \"lam_king\", parameter: \"sag\", value: \"NaN\"))"),
+        wrong("(step: 1, edit: Set(species: \"lam_king\", parameter: \"seed_energy\", value: \"NaN\"))"),
         "edits[0].edit.value"
     );
     assert_eq!(
-        wrong("(step: 1, edit: Set(species: \"lam_king\", parameter: \"sags\", value: \"1\"))"),
+        wrong("(step: 1, edit: Set(species: \"lam_king\", parameter: \"seed_enrgy\", value: \"1\"))"),
         "edits[0].edit.parameter"
     );
     // What counts is the step, not the place in the file.
@@ -312,10 +312,14 @@ fn settings_change_one_thing_or_nothing() {
         }
         assert_eq!(garden, start);
     }
-    for setting in ["species.sagg=1", "scenario.foo=1", "lamp.other.on=true", "wind=1", "lamp.lamp.x=1"] {
+    for setting in ["species.seed_enrgy=1", "scenario.foo=1", "lamp.other.on=true", "wind=1", "lamp.lamp.x=1"]
+    {
         assert!(matches!(start.clone().apply_set(setting), Err(FileError::UnknownField { .. })), "{setting}");
     }
-    assert!(matches!(start.clone().apply_set("species.elm.sag=1"), Err(FileError::NoSuchSpecies { .. })));
+    assert!(matches!(
+        start.clone().apply_set("species.elm.seed_energy=1"),
+        Err(FileError::NoSuchSpecies { .. })
+    ));
     assert!(matches!(start.clone().apply_set("sag"), Err(FileError::Syntax { .. })));
 }
 
@@ -335,15 +339,17 @@ fn a_run_reads_back_as_itself_and_names_what_is_wrong() {
     assert_eq!(RunFile::from_ron(&text, "run.ron").unwrap(), run);
     assert_eq!(FileKind::of(&text, Path::new("run.ron")), FileKind::Run);
 
-    let bad = text.replace("sag: 0.0", "sag: -3.0");
+    let bad = text.replace("shed_share: 0.2", "shed_share: -3.0");
     match RunFile::from_ron(&bad, "run.ron") {
         Err(FileError::Invalid { at, field, .. }) => {
-            assert_eq!(field, "species.oak.sag");
-            assert!(bad.lines().nth(at.line.unwrap() as usize - 1).unwrap().contains("sag: -3.0"));
+            assert_eq!(field, "species.oak.shed_share");
+            assert!(bad.lines().nth(at.line.unwrap() as usize - 1).unwrap().contains("shed_share: -3.0"));
         }
         other => panic!("{other:?}"),
     }
-    let missing = text.replace("\"oak\"", "\"elm\"").replacen("\"elm\": ", "\"oak\": ", 1);
+    let misnamed = text.replace("name: \"oak\"", "name: \"elm\"");
+    assert!(matches!(RunFile::from_ron(&misnamed, "run.ron"), Err(FileError::Invalid { .. })));
+    let missing = text.replace("species: \"oak\"", "species: \"elm\"");
     assert!(matches!(RunFile::from_ron(&missing, "run.ron"), Err(FileError::NoSuchSpecies { .. })));
     let seedless = text.replace("    seed: 18446744073709551615,\n", "");
     assert!(matches!(RunFile::from_ron(&seedless, "run.ron"), Err(FileError::Syntax { .. })));
@@ -397,7 +403,7 @@ proptest! {
     #[test]
     fn settings_of_any_text_never_panic(text in "\\PC{0,40}") {
         let mut garden = Library::embedded().scenario("lamp").unwrap();
-        for key in ["species.sag", "scenario.steps", "lamp.lamp.on", ""] {
+        for key in ["species.seed_energy", "scenario.steps", "lamp.lamp.on", ""] {
             let _ = garden.apply_set(&format!("{key}={text}"));
         }
         let _ = garden.apply_set(&text);

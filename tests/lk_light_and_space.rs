@@ -353,7 +353,6 @@ fn lk_15_the_fast_way_gives_little_fitness_away() {
             }
             let sensing = Sensing { weight, ..Sensing::default() };
             let given = fitness_given_away(&tracer, &requests, &sensing, &Workers::default());
-            println!("{reading:?} {weight:?} {given:?}");
             assert!(given.mean_loss < 0.25 * given.mean_spread, "{given:?}");
         }
     }

@@ -127,7 +127,14 @@ impl RunFile {
             return wrong("steps", run.steps.to_string());
         }
         for (name, species) in &run.species {
-            species.check(&source, &["species".to_string(), name.clone()])?;
+            let path = ["species".to_string(), name.clone()];
+            species.check(&source, &path)?;
+            if species.name != *name {
+                let [map, entry] = path;
+                let allowed = format!("{name:?}, as plants call it");
+                let path = [map, entry, "name".into()];
+                return Err(invalid(&source, &path, format!("{:?}", species.name), allowed));
+            }
         }
         run.scenario.check(&source, &["scenario".to_string()])?;
         for (name, path) in run.scenario.species_named() {

@@ -179,3 +179,78 @@ impl Reprojection {
         self.sky.as_ref().map_or(1.0, |sky| sky.radiance(d))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::Quat;
+
+    use super::*;
+    use crate::environment::scene::{Capsule, Scene, SkyGradient, SolidShape, StandingSolid};
+
+    const WEIGHTS: [TexelWeight; 2] = [TexelWeight::Alike, TexelWeight::SolidAngle];
+
+    /// Largest difference from maps rendered at the offsets, light and space.
+    fn errors(scene: &Scene, offsets: &[Vec3]) -> (f32, f32) {
+        let tracer = Tracer::build(scene);
+        let map = CubeMap::render(&tracer, Vec3::ZERO, 16, &[]);
+        let (mut light, mut space) = (0.0_f32, 0.0_f32);
+        for weight in WEIGHTS {
+            for reading in [LightReading::Share, LightReading::Radiance] {
+                let fast = Reprojection::new(&tracer, &map, reading, weight, &scene.sky, 0.2, 1.0);
+                for &offset in offsets {
+                    let there = CubeMap::render(&tracer, offset, 32, &[]);
+                    let real = match reading {
+                        LightReading::Share => there.share(weight),
+                        LightReading::Radiance => there.sky_light(&scene.sky),
+                    };
+                    let got = fast.at(offset);
+                    light = light.max((got.light - real).abs());
+                    space = space.max((got.space - there.space(1.0, weight)).abs());
+                }
+            }
+        }
+        (light, space)
+    }
+
+    fn offsets() -> Vec<Vec3> {
+        [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::NEG_Z, Vec3::new(-0.6, 0.0, 0.8)].map(|d| d * 0.2).to_vec()
+    }
+
+    fn overcast() -> Sky {
+        Sky { strength: 1.0, gradient: SkyGradient::Overcast }
+    }
+
+    #[test]
+    fn lk_15_over_open_ground_both_ways_agree() {
+        let scene = Scene { ground: Some(-0.3), sky: overcast(), ..Scene::default() };
+        let (light, space) = errors(&scene, &offsets());
+        assert!(light < 0.01 && space < 0.01, "{light} {space}");
+    }
+
+    #[test]
+    fn lk_15_beside_a_wall_both_ways_agree() {
+        let wall = StandingSolid {
+            shape: SolidShape::Box { size: Vec3::new(0.1, 20.0, 20.0) },
+            position: Vec3::X * 0.55,
+            rotation: Quat::IDENTITY,
+            color: [0.5; 3],
+        };
+        let scene = Scene { solids: vec![wall], sky: overcast(), ..Scene::default() };
+        let (light, space) = errors(&scene, &offsets());
+        assert!(light < 0.04 && space < 0.04, "{light} {space}");
+    }
+
+    #[test]
+    fn lk_15_under_a_branch_both_ways_agree() {
+        let branch = Capsule {
+            from: Vec3::new(0.1, 0.6, -3.0),
+            to: Vec3::new(0.1, 0.6, 3.0),
+            radius: 0.08,
+            organ: 1,
+            plant: 0,
+        };
+        let scene = Scene { capsules: vec![branch], sky: overcast(), ..Scene::default() };
+        let (light, space) = errors(&scene, &offsets());
+        assert!(light < 0.04 && space < 0.04, "{light} {space}");
+    }
+}

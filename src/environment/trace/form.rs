@@ -164,7 +164,7 @@ impl Form {
                 }
                 let to_base = base - origin;
                 let t = normal.dot(to_base) / towards;
-                if !(t >= 0.0 && t < f32::INFINITY) {
+                if !(0.0..f32::INFINITY).contains(&t) {
                     return None;
                 }
                 let p = d * t - to_base;

@@ -2,12 +2,13 @@
 //!
 //! Rays of a face share their origin, so a box covers a rectangle of texels: the tree of boxes is walked once
 //! a face instead of once a texel, front to back. A box whose rectangle falls between texels or is already
-//! covered by nearer things is passed over. Each item is tested against the texels of its rectangle with the
-//! very arithmetic of a single ray: the answers are the same, bit for bit.
+//! covered by nearer things is passed over; what is in a box of very few texels is left to their single rays,
+//! which have less to reckon. Each item is tested with the very arithmetic of a single ray: the answers are
+//! the same, bit for bit.
 
 use bevy::math::Vec3;
 
-use super::{Item, Node, Seen, Tracer, usable};
+use super::{Item, Node, Seen, Tracer, inverse, larger, smaller, usable};
 
 /// The orientation of a face: signed world axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +41,8 @@ pub(crate) struct FaceRays {
     pub(crate) directions: Vec<Vec3>,
     /// Their squared lengths.
     pub(crate) squares: Vec<f32>,
+    /// One over their parts.
+    inverses: Vec<[f32; 3]>,
 }
 
 impl FaceRays {
@@ -50,7 +53,8 @@ impl FaceRays {
         let directions: Vec<Vec3> =
             (0..size * size).map(|i| forward + right * at(i % size) - up * at(i / size)).collect();
         let squares = directions.iter().map(|d| d.length_squared()).collect();
-        Self { frame, size, directions, squares }
+        let inverses = directions.iter().map(|&d| inverse(d)).collect();
+        Self { frame, size, directions, squares, inverses }
     }
 }
 
@@ -61,12 +65,27 @@ struct Rect {
     rows: (u32, u32),
 }
 
+impl Rect {
+    fn texels(self) -> u32 {
+        (self.columns.1 - self.columns.0 + 1) * (self.rows.1 - self.rows.0 + 1)
+    }
+
+    fn indices(self, size: usize) -> impl Iterator<Item = usize> {
+        let Self { columns, rows } = self;
+        (rows.0..=rows.1).flat_map(move |row| {
+            (columns.0..=columns.1).map(move |column| row as usize * size + column as usize)
+        })
+    }
+}
+
 struct Entry {
     node: u32,
     near: f32,
     rect: Rect,
 }
 
+/// A box of no more texels is left to single rays.
+const FEW: u32 = 4;
 const SKY: u32 = u32::MAX;
 const GROUND: u32 = u32::MAX - 1;
 
@@ -83,7 +102,7 @@ impl Tracer<'_> {
             .iter()
             .map(|&d| self.ground(origin, d).map_or((f32::INFINITY, SKY), |t| (t, GROUND)))
             .collect();
-        let view = View { rays, origin };
+        let view = View::new(rays, origin);
         let mut stack: Vec<Entry> = Vec::with_capacity(64);
         if let Some(root) = self.nodes.first() {
             stack.extend(view.entry(0, root));
@@ -93,6 +112,17 @@ impl Tracer<'_> {
                 continue;
             }
             let Node { first, count, .. } = self.nodes[node as usize];
+            if count == 0 && rect.texels() <= FEW {
+                for i in rect.indices(rays.size) {
+                    let reach = found[i].0;
+                    self.visit_below(node, &origin.to_array(), &rays.inverses[i], reach, |index, reach| {
+                        self.draw(index, &view, i, blind, &mut found);
+                        *reach = found[i].0;
+                        false
+                    });
+                }
+                continue;
+            }
             if count == 0 {
                 let left = view.entry(first, &self.nodes[first as usize]);
                 let right = view.entry(first + 1, &self.nodes[first as usize + 1]);
@@ -104,9 +134,8 @@ impl Tracer<'_> {
                 continue;
             }
             for index in first..first + count {
-                let item = &self.items[index as usize];
-                if !item.is_unseen_from(origin, blind) {
-                    self.draw(item, index, &view, rect, &mut found);
+                for i in rect.indices(rays.size) {
+                    self.draw(index, &view, i, blind, &mut found);
                 }
             }
         }
@@ -120,21 +149,16 @@ impl Tracer<'_> {
         }));
     }
 
-    /// Enters an item into the texels that see it.
+    /// Enters an item into texel `i` if it is seen there.
     #[inline]
-    fn draw(&self, item: &Item, index: u32, view: &View, rect: Rect, found: &mut [(f32, u32)]) {
-        for row in rect.rows.0..=rect.rows.1 {
-            for column in rect.columns.0..=rect.columns.1 {
-                let i = row as usize * view.rays.size + column as usize;
-                let (d, dd) = (view.rays.directions[i], view.rays.squares[i]);
-                let Some(t) = item.distance(view.origin, d, dd) else {
-                    continue;
-                };
-                let (depth, other) = found[i];
-                let nearer = t < depth || (t == depth && self.outranks(item, other));
-                if nearer {
-                    found[i] = (t, index);
-                }
+    fn draw(&self, index: u32, view: &View, i: usize, blind: &[u32], found: &mut [(f32, u32)]) {
+        let item = &self.items[index as usize];
+        let (d, dd) = (view.rays.directions[i], view.rays.squares[i]);
+        if let Some(t) = item.distance(view.origin, d, dd) {
+            let (depth, other) = found[i];
+            let nearer = t < depth || (t == depth && self.outranks(item, other));
+            if nearer && !item.is_unseen_from(view.origin, blind) {
+                found[i] = (t, index);
             }
         }
     }
@@ -144,58 +168,79 @@ impl Tracer<'_> {
     }
 }
 
+/// A face seen from its origin, with what every box test needs.
 struct View<'a> {
     rays: &'a FaceRays,
     origin: Vec3,
+    right: Axis,
+    up: Axis,
+    forward: Axis,
+    /// Texels from the middle of the face to its edge.
+    half: f32,
+    last: i32,
 }
 
-impl View<'_> {
+/// A signed world axis, and the origin along it.
+#[derive(Clone, Copy)]
+struct Axis {
+    axis: usize,
+    sign: f32,
+    origin: f32,
+}
+
+impl Axis {
+    fn new((axis, sign): (usize, f32), origin: Vec3) -> Self {
+        Self { axis, sign, origin: origin[axis] }
+    }
+
+    /// Extent of a box along the axis, seen from the origin.
+    #[inline]
+    fn span(self, node: &Node) -> (f32, f32) {
+        let a = (node.min[self.axis] - self.origin) * self.sign;
+        let b = (node.max[self.axis] - self.origin) * self.sign;
+        (smaller(a, b), larger(a, b))
+    }
+}
+
+impl<'a> View<'a> {
+    fn new(rays: &'a FaceRays, origin: Vec3) -> Self {
+        let Frame { right, up, forward } = rays.frame;
+        Self {
+            rays,
+            origin,
+            right: Axis::new(right, origin),
+            // Rows count down.
+            up: Axis::new((up.0, -up.1), origin),
+            forward: Axis::new(forward, origin),
+            half: rays.size as f32 * 0.5,
+            last: rays.size as i32 - 1,
+        }
+    }
+
     /// The texels a box may cover and its least depth; `None` if it shows in no texel.
     #[inline]
     fn entry(&self, index: u32, node: &Node) -> Option<Entry> {
-        let Frame { right, up, forward } = self.rays.frame;
-        let (near, far) = self.span(node, forward);
-        if far < 0.0 {
+        let (near, far) = self.forward.span(node);
+        if far <= 0.0 {
             return None;
         }
-        let size = self.rays.size as f32;
-        let limits = |(low, high): (f32, f32)| {
-            // A box reaching behind the face may cover it up to its edge on the side it lies on.
-            let low = if low >= 0.0 {
-                low / far
-            } else if near > 0.0 {
-                low / near
-            } else {
-                -2.0
-            };
-            let high = if high <= 0.0 {
-                high / far
-            } else if near > 0.0 {
-                high / near
-            } else {
-                2.0
-            };
-            (low, high)
-        };
-        // Texel i lies at (2 i + 1) / size - 1; a thousandth of a texel outweighs rounding.
-        let texel = |x: f32| (x + 1.0) * 0.5 * size - 0.5;
-        let range = |(low, high): (f32, f32)| {
-            let first = (texel(low) - 1e-3).ceil().max(0.0);
-            let last = (texel(high) + 1e-3).floor().min(size - 1.0);
-            (first <= last).then_some((first as u32, last as u32))
-        };
-        let columns = range(limits(self.span(node, right)))?;
-        let (low, high) = limits(self.span(node, up));
-        let rows = range((-high, -low))?;
+        // A box reaching behind the face may cover it up to its edge on the side it lies on.
+        let nearest = if near > 0.0 { 1.0 / near } else { 1e30 };
+        let farthest = 1.0 / far;
+        let columns = self.range(self.right.span(node), nearest, farthest)?;
+        let rows = self.range(self.up.span(node), nearest, farthest)?;
         Some(Entry { node: index, near: near.max(0.0), rect: Rect { columns, rows } })
     }
 
-    /// Extent of a box along a signed axis, seen from the origin.
+    /// The texels between the two sides of a box along an axis, its depths given by their reciprocals.
     #[inline]
-    fn span(&self, node: &Node, (axis, sign): (usize, f32)) -> (f32, f32) {
-        let origin = self.origin[axis];
-        let (low, high) = (node.min[axis] - origin, node.max[axis] - origin);
-        if sign > 0.0 { (low, high) } else { (-high, -low) }
+    fn range(&self, (low, high): (f32, f32), nearest: f32, farthest: f32) -> Option<(u32, u32)> {
+        let low = (low * if low < 0.0 { nearest } else { farthest }).clamp(-2.0, 2.0);
+        let high = (high * if high > 0.0 { nearest } else { farthest }).clamp(-2.0, 2.0);
+        // Texel i lies at (i + 1/2) / half - 1. A thousandth of a texel outweighs rounding.
+        let first = round((low + 1.0) * self.half - 1e-3).max(0);
+        let last = round((high + 1.0) * self.half - (1.0 - 1e-3)).min(self.last);
+        (first <= last).then_some((first as u32, last as u32))
     }
 
     /// Whether every texel of the rectangle already sees something nearer.
@@ -208,4 +253,12 @@ impl View<'_> {
                 .all(|&(depth, _)| depth < near)
         })
     }
+}
+
+/// The nearest whole number, for numbers well below 2^22: adding 1.5 x 2^23 leaves it in the lowest bits.
+/// Without the instructions of newer processors `f32::round` is a function call.
+#[inline]
+fn round(x: f32) -> i32 {
+    const SHIFT: f32 = 12_582_912.0;
+    (x + SHIFT).to_bits() as i32 - SHIFT.to_bits() as i32
 }

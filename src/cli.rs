@@ -1,0 +1,116 @@
+//! The commands, what they share, and the exit codes.
+
+mod check;
+mod completions;
+mod describe;
+mod film;
+mod grow;
+mod input;
+mod output;
+mod probe;
+mod seeds;
+mod watch;
+
+use std::process::ExitCode;
+
+use burgeon::environment::workers::WorkersError;
+use burgeon::export::ExportError;
+use burgeon::export::film::FilmError;
+use burgeon::files::{FileError, SaveError};
+use burgeon::scenario::{EditError, GardenError};
+use clap::{Parser, Subcommand};
+
+/// Burgeon grows trees: every bud, internode and leaf looks at the light and space around it before it grows.
+#[derive(Parser, Debug)]
+#[command(
+    version,
+    propagate_version = true,
+    after_help = "Exit codes: 0 done, 1 bad input or a file that could not be written, 2 wrong usage,\n\
+                  3 stopped early by a limit or an edit that could not be made (what has grown is kept),\n\
+                  4 a run grown again is not the same tree."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Open a window and watch a scenario grow (the default).
+    Watch(watch::Watch),
+    /// Grow a scenario, or a run again from its run.ron, and write pictures, a model and tables.
+    Grow(Box<grow::Grow>),
+    /// Grow a scenario and show what can be seen from a point in it: light, share and space, as JSON.
+    Probe(Box<probe::ProbeAt>),
+    /// Check species, scenario, run and save files, one line each.
+    Check(check::Check),
+    /// Show the table of parameters, a species, or what stands where in a scenario.
+    Describe(describe::Describe),
+    /// Print the completion script of a shell.
+    Completions(completions::Completions),
+}
+
+/// Why a command did not end well.
+#[derive(Debug, thiserror::Error)]
+enum Failure {
+    #[error(transparent)]
+    File(#[from] FileError),
+    #[error(transparent)]
+    Save(#[from] SaveError),
+    #[error(transparent)]
+    Edit(#[from] EditError),
+    #[error(transparent)]
+    Workers(#[from] WorkersError),
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    #[error(transparent)]
+    Film(#[from] FilmError),
+    #[error("{what}: {source}")]
+    Io { what: String, source: std::io::Error },
+    /// Files in the way.
+    #[error("{} already there; --force replaces, --out names another folder", .0.join(", "))]
+    InTheWay(Vec<String>),
+    /// Options that do not go together.
+    #[error("{0}")]
+    Usage(String),
+    /// Files that did not pass a check; each has had its line.
+    #[error("{bad} of {all} files are bad")]
+    BadFiles { bad: usize, all: usize },
+    /// Growth ended early.
+    #[error("{0}; what has grown is kept")]
+    Stopped(#[from] GardenError),
+    /// A run grown again differs.
+    #[error("not the same tree: it first differs at step {0}")]
+    NotTheSame(u32),
+}
+
+impl Failure {
+    fn code(&self) -> u8 {
+        match self {
+            Self::Usage(_) => 2,
+            Self::Stopped(_) => 3,
+            Self::NotTheSame(_) => 4,
+            _ => 1,
+        }
+    }
+}
+
+/// Parses the command line and runs what it asks for.
+pub fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        None => watch::Watch::default().run(),
+        Some(Command::Watch(command)) => command.run(),
+        Some(Command::Grow(command)) => command.run(),
+        Some(Command::Probe(command)) => command.run(),
+        Some(Command::Check(command)) => command.run(),
+        Some(Command::Describe(command)) => command.run(),
+        Some(Command::Completions(command)) => command.run(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("burgeon: {failure}");
+            ExitCode::from(failure.code())
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! `burgeon check`: whether files are sound.
+
+use std::path::{Path, PathBuf};
+
+use burgeon::assets::FileKind;
+use burgeon::files::{RunFile, read_save, read_text};
+use burgeon::species::Species;
+use clap::Args;
+
+use super::Failure;
+use super::grow::SavedRun;
+use super::input::library;
+use super::output::say;
+
+/// Check files, one line each.
+#[derive(Args, Debug)]
+pub struct Check {
+    /// Species, scenarios, run.ron files and saves.
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+
+    /// A folder whose species win over those built in.
+    #[arg(long, value_name = "DIR")]
+    assets: Option<PathBuf>,
+}
+
+impl Check {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        let library = library(&self.assets)?;
+        let mut bad = 0;
+        for path in &self.files {
+            match check(path, &library) {
+                Ok(what) => say(format_args!("{}: {what}", path.display())),
+                Err(failure) => {
+                    bad += 1;
+                    say(failure);
+                }
+            }
+        }
+        if bad == 0 { Ok(()) } else { Err(Failure::BadFiles { bad, all: self.files.len() }) }
+    }
+}
+
+/// What a good file is, in a few words.
+fn check(path: &Path, library: &burgeon::assets::Library) -> Result<String, Failure> {
+    if is_save(path) {
+        let save: SavedRun = read_save(path)?;
+        return Ok(format!(
+            "a save of {} at step {}, seed {}",
+            save.run.scenario.name, save.run.steps, save.run.seed
+        ));
+    }
+    let text = read_text(path)?;
+    let file = path.display().to_string();
+    Ok(match FileKind::of(&text, path) {
+        FileKind::Species => format!("species {}", Species::from_ron(&text, &file)?.name),
+        FileKind::Scenario => {
+            let resolved = library.read(&text, &file, path.parent())?;
+            let species: Vec<_> = resolved.species.keys().map(String::as_str).collect();
+            format!("scenario {} with {}", resolved.scenario.name, species.join(", "))
+        }
+        FileKind::Run => {
+            let run = RunFile::from_ron(&text, &file)?;
+            format!("a run of {}, {} steps, seed {}", run.scenario.name, run.steps, run.seed)
+        }
+    })
+}
+
+fn is_save(path: &Path) -> bool {
+    use std::io::Read;
+    let mut start = [0; 8];
+    std::fs::File::open(path).and_then(|mut f| f.read_exact(&mut start)).is_ok() && &start == b"BURGEON\x1a"
+}

@@ -1,0 +1,116 @@
+//! The picture and film of a run.
+
+use std::path::Path;
+
+use bevy::math::Vec3;
+use burgeon::environment::Scene;
+use burgeon::environment::trace::Tracer;
+use burgeon::environment::workers::Workers;
+use burgeon::export::canvas::caption;
+use burgeon::export::film::{FilmSettings, save_gif, save_png};
+use burgeon::export::picture::{Bounds, Camera, Palette, PictureSettings, render};
+
+use super::{Failure, output};
+
+/// Where the camera may stand, azimuth and elevation in degrees: the first is taken unless walls hide the plants.
+const VIEWS: [(f32, f32); 12] = [
+    (25.0, 5.0),
+    (-25.0, 5.0),
+    (0.0, 5.0),
+    (60.0, 5.0),
+    (-60.0, 5.0),
+    (120.0, 5.0),
+    (-120.0, 5.0),
+    (180.0, 5.0),
+    (25.0, 30.0),
+    (-25.0, 30.0),
+    (25.0, 55.0),
+    (-25.0, 55.0),
+];
+/// Points of the plants looked for from each of them.
+const LOOKED_FOR: usize = 200;
+/// Most frames of a film; a longer run leaves steps out.
+const FRAMES: usize = 120;
+/// Most pieces of wood and leaf kept for a film, about a gigabyte of them.
+const PIECES: usize = 16_000_000;
+
+/// Scenes of a film, as a run leaves them.
+#[derive(Default)]
+pub struct Reel {
+    frames: Vec<(u32, Scene)>,
+    /// Steps from frame to frame; 0 stands for 1.
+    stride: u32,
+}
+
+impl Reel {
+    /// Whether a step will be a frame.
+    pub fn wants(&self, step: u32) -> bool {
+        step.is_multiple_of(self.stride.max(1))
+    }
+
+    /// Adds a step; when there are too many, every other one goes.
+    pub fn add(&mut self, step: u32, scene: Scene) {
+        self.frames.push((step, scene));
+        let pieces: usize = self.frames.iter().map(|(_, s)| s.capsules.len() + s.leaves.len()).sum();
+        if self.frames.len() > FRAMES || (pieces > PIECES && self.frames.len() > 2) {
+            self.stride = self.stride.max(1) * 2;
+            self.frames.retain(|(step, _)| step.is_multiple_of(self.stride));
+        }
+    }
+
+    /// Draws and writes the film; the last scene is always its end.
+    pub fn save(
+        mut self,
+        last: (u32, Scene),
+        palette: &Palette,
+        workers: &Workers,
+        path: &Path,
+    ) -> Result<(), Failure> {
+        let end = last.1.clone();
+        if self.frames.last().is_none_or(|(step, _)| *step != last.0) {
+            self.frames.push(last);
+        }
+        let settings = PictureSettings { width: 360, height: 405, samples: 3 };
+        let bounds = self.frames.iter().fold(Bounds::default(), |all, (_, s)| all.union(&Bounds::of(s)));
+        let camera = camera(&end, &bounds, settings.aspect());
+        let bar = output::progress(self.frames.len() as u64, "frame");
+        let images: Vec<_> = self
+            .frames
+            .iter()
+            .map(|(step, scene)| {
+                let mut image = render(&Tracer::build(scene), &camera, palette, settings, workers);
+                caption(&mut image, &format!("step {step}"), 1);
+                bar.inc(1);
+                image
+            })
+            .collect();
+        bar.finish_and_clear();
+        Ok(save_gif(path, &images, FilmSettings::default())?)
+    }
+}
+
+/// Draws and writes the picture of a scene.
+pub fn save_picture(scene: &Scene, palette: &Palette, workers: &Workers, path: &Path) -> Result<(), Failure> {
+    let settings = PictureSettings::default();
+    let camera = camera(scene, &Bounds::of(scene), settings.aspect());
+    let image = render(&Tracer::build(scene), &camera, palette, settings, workers);
+    Ok(save_png(path, &image)?)
+}
+
+/// The first of the views from which walls hide the fewest points of the plants.
+fn camera(scene: &Scene, bounds: &Bounds, aspect: f32) -> Camera {
+    let walls = Scene { solids: scene.solids.clone(), ground: scene.ground, ..Scene::default() };
+    let tracer = Tracer::build(&walls);
+    let every = scene.capsules.len().div_ceil(LOOKED_FOR).max(1);
+    let mut best: Option<(usize, Camera)> = None;
+    for (azimuth, elevation) in VIEWS {
+        let camera = Camera::framing(bounds, azimuth, elevation, aspect);
+        let points = scene.capsules.iter().step_by(every).map(|wood| wood.to);
+        let hidden = points.filter(|p| tracer.occluded(camera.eye, *p - camera.eye, 0.99, &[])).count();
+        if best.as_ref().is_none_or(|(fewest, _)| hidden < *fewest) {
+            best = Some((hidden, camera));
+        }
+    }
+    // There is always a first view.
+    best.map_or(Camera::looking(Vec3::ONE, Vec3::ZERO), |(_, camera)| camera)
+}

@@ -1,0 +1,264 @@
+//! `burgeon grow`: a scenario, or a run again, with all it leaves.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use burgeon::export::gltf::save_glb;
+use burgeon::export::picture::Palette;
+use burgeon::export::tables::{save_organs, save_steps};
+use burgeon::files::{RunFile, StepHashes, read_save, write_save};
+use burgeon::scenario::{Garden, GardenError, GardenSave};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use super::film::{Reel, save_picture};
+use super::input::Input;
+use super::output::{Output, grouped, progress, say};
+use super::seeds::{self, SeedRange};
+use super::{Failure, output};
+
+/// Grow a scenario and write what has grown.
+#[derive(Args, Debug, Default)]
+pub struct Grow {
+    #[command(flatten)]
+    input: Input,
+
+    #[command(flatten)]
+    output: Output,
+
+    /// Also write growth.gif, a frame a step.
+    #[arg(long)]
+    timelapse: bool,
+
+    /// Print the summary as JSON.
+    #[arg(long)]
+    json: bool,
+
+    /// Save the garden at the end, to be resumed.
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
+
+    /// Go on from a save instead of a scenario.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["scenario", "seed", "set", "seeds"])]
+    resume: Option<PathBuf>,
+
+    /// Grow one tree for each seed, such as 1..100, into one table seeds.csv with mean and spread.
+    #[arg(long, value_name = "FIRST..LAST", conflicts_with_all = ["seed", "timelapse", "save"])]
+    seeds: Option<SeedRange>,
+}
+
+/// A garden in the middle of a run: what `--save` writes.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct SavedRun {
+    /// How it began and what it was at each step.
+    pub run: RunFile,
+    /// What it is.
+    pub garden: GardenSave,
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    scenario: &'a str,
+    seed: u64,
+    steps: u32,
+    steps_wanted: u32,
+    stopped: Option<String>,
+    height_m: f32,
+    crown_width_m: f32,
+    trunk_diameter_m: f32,
+    organs: u32,
+    internodes: u32,
+    leaves: u32,
+    apical_buds: u32,
+    lateral_buds: u32,
+    leaf_area_m2: f64,
+    mean_light: f64,
+    energy_stored: f64,
+    seconds: f64,
+    threads: usize,
+    hash: String,
+    /// Of a run grown again: whether it is the same tree, as far as both have grown.
+    same_tree: Option<bool>,
+    first_difference: Option<u32>,
+    files: Vec<String>,
+}
+
+/// A garden on its way.
+pub struct Growing {
+    /// The garden.
+    pub garden: Garden,
+    /// Its run so far.
+    pub run: RunFile,
+    /// Why it stopped early, if it did.
+    pub stopped: Option<GardenError>,
+    /// Time spent growing.
+    pub seconds: f64,
+}
+
+impl Growing {
+    /// Grows to a number of steps; `each` sees the garden before the first step and after every one.
+    pub fn grow(&mut self, steps: u32, mut each: impl FnMut(u32, &mut Garden)) {
+        let bar = progress(u64::from(steps), "step");
+        bar.set_position(u64::from(self.garden.steps()));
+        bar.reset_eta();
+        each(self.garden.steps(), &mut self.garden);
+        while self.garden.steps() < steps {
+            let began = Instant::now();
+            if let Err(error) = self.garden.step() {
+                self.stopped = Some(error);
+                break;
+            }
+            let step = self.garden.steps();
+            self.run.hashes.push(step, self.garden.snapshot().hash());
+            self.run.steps = step;
+            self.seconds += began.elapsed().as_secs_f64();
+            each(step, &mut self.garden);
+            bar.set_message(format!("{} organs", grouped(self.garden.organs() as u32)));
+            bar.set_position(u64::from(step));
+        }
+        bar.finish_and_clear();
+    }
+}
+
+impl Grow {
+    /// Grows a scenario as `burgeon grow` without options does.
+    pub fn plain(input: Input) -> Self {
+        Self { input, ..Self::default() }
+    }
+
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        match &self.seeds {
+            Some(seeds) => seeds::run(&self.input, &self.output, *seeds, self.json),
+            None => self.grow(),
+        }
+    }
+
+    fn grow(&self) -> Result<(), Failure> {
+        let (mut growing, steps, again) = self.begin()?;
+        let mut names = vec!["tree.png", "tree.glb", "organs.csv", "steps.csv", "run.ron"];
+        if self.timelapse {
+            names.push("growth.gif");
+        }
+        let scenario = growing.run.scenario.name.clone();
+        let mut folder = self.output.folder(&scenario, &names)?;
+        self.output.free(self.save.iter().cloned())?;
+
+        let mut reel = Reel::default();
+        growing.grow(steps, |step, garden| {
+            if self.timelapse && reel.wants(step) {
+                reel.add(step, garden.scene());
+            }
+        });
+
+        folder.create()?;
+        let snapshot = growing.garden.snapshot();
+        let scene = growing.garden.scene();
+        let palette = Palette::of_snapshot(&snapshot);
+        let workers = self.input.workers()?;
+        folder.text("run.ron", &growing.run.to_ron())?;
+        save_steps(growing.garden.records(), &folder.file("steps.csv"))?;
+        save_organs(&snapshot, &folder.file("organs.csv"))?;
+        save_glb(&snapshot, &folder.file("tree.glb"))?;
+        save_picture(&scene, &palette, &workers, &folder.file("tree.png"))?;
+        if self.timelapse {
+            reel.save((growing.garden.steps(), scene), &palette, &workers, &folder.file("growth.gif"))?;
+        }
+        if let Some(path) = &self.save {
+            let save = SavedRun { run: growing.run.clone(), garden: growing.garden.save() };
+            write_save(path, &save)?;
+        }
+
+        let difference = again.as_ref().map(|hashes| hashes.first_difference(&growing.run.hashes));
+        self.tell(&growing, steps, difference, &workers, &folder);
+        match (growing.stopped, difference.flatten()) {
+            (_, Some(step)) => Err(Failure::NotTheSame(step)),
+            (Some(stopped), None) => Err(stopped.into()),
+            (None, None) => Ok(()),
+        }
+    }
+
+    /// The garden as it begins, the steps it shall have, and the hashes it shall meet.
+    fn begin(&self) -> Result<(Growing, u32, Option<StepHashes>), Failure> {
+        let workers = self.input.workers()?;
+        let new = |garden, run| Growing { garden, run, stopped: None, seconds: 0.0 };
+        if let Some(path) = &self.resume {
+            let SavedRun { run, garden } = read_save(path)?;
+            let garden = Garden::resume(garden, workers);
+            let steps = self.input.steps.unwrap_or(run.scenario.steps);
+            if steps < garden.steps() {
+                return Err(Failure::Usage(format!(
+                    "{} has grown {} steps already; --steps counts them all",
+                    path.display(),
+                    garden.steps()
+                )));
+            }
+            return Ok((new(garden, run), steps, None));
+        }
+        let plan = self.input.plan()?;
+        let garden = Garden::new(plan.resolved.clone(), plan.seed, workers)?;
+        let run = RunFile::new(&plan.resolved, plan.seed, 0, StepHashes::default());
+        Ok((new(garden, run), plan.steps, plan.again.map(|run| run.hashes)))
+    }
+
+    fn tell(
+        &self,
+        growing: &Growing,
+        steps_wanted: u32,
+        difference: Option<Option<u32>>,
+        workers: &burgeon::environment::workers::Workers,
+        folder: &output::Folder,
+    ) {
+        let record = growing.garden.records().last().copied().unwrap_or_default();
+        let form = record.form;
+        let run = &growing.run;
+        if self.json {
+            let summary = Summary {
+                scenario: &run.scenario.name,
+                seed: run.seed,
+                steps: run.steps,
+                steps_wanted,
+                stopped: growing.stopped.as_ref().map(ToString::to_string),
+                height_m: form.height_m,
+                crown_width_m: form.crown_width_m,
+                trunk_diameter_m: form.trunk_diameter_m,
+                organs: form.organs,
+                internodes: form.internodes,
+                leaves: form.leaves,
+                apical_buds: form.apical_buds,
+                lateral_buds: form.lateral_buds,
+                leaf_area_m2: form.leaf_area_m2,
+                mean_light: form.mean_light,
+                energy_stored: record.store,
+                seconds: growing.seconds,
+                threads: workers.threads(),
+                hash: format!("{:016x}", growing.garden.snapshot().hash()),
+                same_tree: difference.map(|d| d.is_none()),
+                first_difference: difference.flatten(),
+                files: folder.written.iter().map(|p| p.display().to_string()).collect(),
+            };
+            // A summary of numbers and texts always serialises.
+            say(serde_json::to_string_pretty(&summary).unwrap_or_default());
+            return;
+        }
+        let time = indicatif::HumanDuration(Duration::from_secs_f64(growing.seconds));
+        let time = match growing.seconds {
+            s if s < 60.0 => format!("{s:.1} s"),
+            _ => time.to_string(),
+        };
+        say(format_args!(
+            "{} at step {}, seed {}: {:.2} m high, crown {:.2} m wide, {} leaves, {} organs; {time}",
+            run.scenario.name,
+            run.steps,
+            run.seed,
+            form.height_m,
+            form.crown_width_m,
+            grouped(form.leaves),
+            grouped(form.organs),
+        ));
+        if difference == Some(None) {
+            say("The same tree, bit for bit.");
+        }
+        say(folder.line());
+    }
+}

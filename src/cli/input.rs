@@ -1,0 +1,94 @@
+//! What a command grows: scenario, seed, settings, threads.
+
+use std::path::PathBuf;
+
+use burgeon::assets::{Library, Opened};
+use burgeon::environment::workers::Workers;
+use burgeon::files::{ResolvedScenario, RunFile};
+use burgeon::limits;
+use clap::Args;
+
+use super::Failure;
+
+/// The scenario grown when none is named.
+const DEFAULT_SCENARIO: &str = "wall";
+/// The seed of a run when none is given.
+const DEFAULT_SEED: u64 = 1;
+
+/// What to grow.
+#[derive(Args, Debug, Clone, Default)]
+pub struct Input {
+    /// A scenario by name, a scenario file, or the run.ron of an earlier run [default: wall].
+    scenario: Option<String>,
+
+    /// Steps to grow; of a resumed run, all of them together [default: the scenario's].
+    #[arg(long, value_parser = clap::value_parser!(u32).range(0..=i64::from(limits::STEPS)))]
+    pub steps: Option<u32>,
+
+    /// Seed of every random draw [default: 1, or the run's].
+    #[arg(long)]
+    seed: Option<u64>,
+
+    /// Threads; 0 takes one for each core. The tree does not depend on it.
+    #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=limits::THREADS as i64))]
+    threads: u32,
+
+    /// Change a setting: species.X, species.NAME.X, scenario.X or lamp.NAME.X; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
+
+    /// A folder whose species/NAME.ron and scenarios/NAME.ron win over those built in.
+    #[arg(long, value_name = "DIR")]
+    assets: Option<PathBuf>,
+}
+
+/// What will be grown.
+pub struct Plan {
+    /// The scenario and its species, settings made.
+    pub resolved: ResolvedScenario,
+    /// Steps to grow.
+    pub steps: u32,
+    /// Seed of the run.
+    pub seed: u64,
+    /// The run to grow again, if it is one and nothing was changed.
+    pub again: Option<Box<RunFile>>,
+}
+
+impl Input {
+    /// Reads and checks everything; writes nothing.
+    pub fn plan(&self) -> Result<Plan, Failure> {
+        let opened = library(&self.assets)?.open(self.scenario.as_deref().unwrap_or(DEFAULT_SCENARIO))?;
+        let (mut resolved, steps, seed, run) = match opened {
+            Opened::Scenario(resolved) => {
+                let steps = resolved.scenario.steps;
+                (*resolved, steps, DEFAULT_SEED, None)
+            }
+            Opened::Run(run) => (run.resolved(), run.steps, run.seed, Some(run)),
+        };
+        for setting in &self.set {
+            resolved.apply_set(setting)?;
+        }
+        // `--set scenario.steps` counts as the scenario's own.
+        let steps = if run.is_none() { resolved.scenario.steps } else { steps };
+        let changed = !self.set.is_empty() || self.seed.is_some_and(|s| s != seed);
+        Ok(Plan {
+            resolved,
+            steps: self.steps.unwrap_or(steps),
+            seed: self.seed.unwrap_or(seed),
+            again: run.filter(|_| !changed),
+        })
+    }
+
+    /// The threads asked for.
+    pub fn workers(&self) -> Result<Workers, Failure> {
+        Ok(Workers::new(self.threads as usize)?)
+    }
+}
+
+/// What is built in, behind a folder if one is given.
+pub fn library(folder: &Option<PathBuf>) -> Result<Library, Failure> {
+    match folder {
+        Some(folder) => Ok(Library::with_folder(folder)?),
+        None => Ok(Library::embedded()),
+    }
+}

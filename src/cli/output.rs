@@ -1,0 +1,116 @@
+//! Where results go, and how they are told.
+
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::Failure;
+
+/// Where results go.
+#[derive(Args, Debug, Clone, Default)]
+pub struct Output {
+    /// Folder for the results [default: the first free of out/NAME, out/NAME_2, ...].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+
+    /// Replace files that are already there.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// The folder of a run, with nothing in the way of what will be written.
+pub struct Folder {
+    path: PathBuf,
+    /// Files written so far.
+    pub written: Vec<PathBuf>,
+}
+
+impl Output {
+    /// Finds the folder and makes sure that nothing there is overwritten; writes nothing yet.
+    pub fn folder(&self, name: &str, files: &[&str]) -> Result<Folder, Failure> {
+        let name: String =
+            name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect();
+        let path = match &self.out {
+            Some(path) => path.clone(),
+            None if self.force => Path::new("out").join(name),
+            None => (1..)
+                .map(|i| Path::new("out").join(if i == 1 { name.clone() } else { format!("{name}_{i}") }))
+                .find(|path| !path.exists())
+                .unwrap_or_default(),
+        };
+        self.free(files.iter().map(|file| path.join(file)))?;
+        Ok(Folder { path, written: Vec::new() })
+    }
+
+    /// Makes sure that none of these files is there, unless they may be replaced.
+    pub fn free(&self, files: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
+        let there: Vec<String> =
+            files.filter(|f| !self.force && f.exists()).map(|f| f.display().to_string()).collect();
+        if there.is_empty() { Ok(()) } else { Err(Failure::InTheWay(there)) }
+    }
+}
+
+impl Folder {
+    /// Makes the folder.
+    pub fn create(&self) -> Result<(), Failure> {
+        std::fs::create_dir_all(&self.path)
+            .map_err(|source| Failure::Io { what: self.path.display().to_string(), source })
+    }
+
+    /// The path of a file about to be written.
+    pub fn file(&mut self, name: &str) -> PathBuf {
+        let path = self.path.join(name);
+        self.written.push(path.clone());
+        path
+    }
+
+    /// Writes a text file, whole or not at all.
+    pub fn text(&mut self, name: &str, text: &str) -> Result<(), Failure> {
+        let path = self.file(name);
+        burgeon::files::write_whole(&path, &[text.as_bytes()])
+            .map_err(|source| Failure::Io { what: path.display().to_string(), source })
+    }
+
+    /// Where the results are, in one line.
+    pub fn line(&self) -> String {
+        let names: Vec<_> =
+            self.written.iter().filter_map(|p| p.file_name()).map(|n| n.to_string_lossy()).collect();
+        format!("{}: {}", self.path.display(), names.join(", "))
+    }
+}
+
+/// Prints a line; a reader that has gone away is no error.
+pub fn say(line: impl core::fmt::Display) {
+    let _ = writeln!(std::io::stdout(), "{line}");
+}
+
+/// A bar on the terminal, none elsewhere. `what` follows the count.
+pub fn progress(total: u64, what: &'static str) -> ProgressBar {
+    let target = match std::io::stderr().is_terminal() {
+        true => ProgressDrawTarget::stderr(),
+        false => ProgressDrawTarget::hidden(),
+    };
+    let bar = ProgressBar::with_draw_target(Some(total), target);
+    let template = format!("{what} {{pos}}/{{len}} {{bar:24}} {{msg}} · {{per_sec}} · {{eta}} left");
+    if let Ok(style) = ProgressStyle::with_template(&template) {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(Duration::from_millis(500));
+    bar
+}
+
+/// A number with thousands set apart.
+pub fn grouped(n: u32) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}

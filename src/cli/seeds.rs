@@ -1,0 +1,171 @@
+//! `burgeon grow --seeds`: many trees into one table.
+
+use std::str::FromStr;
+
+use burgeon::environment::workers::Workers;
+use burgeon::plant::measure::Form;
+use burgeon::scenario::Garden;
+use serde::Serialize;
+
+use super::Failure;
+use super::input::Input;
+use super::output::{Output, progress, say};
+
+/// Seeds from one to another, both included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeedRange {
+    first: u64,
+    last: u64,
+}
+
+impl SeedRange {
+    /// The most seeds of one table.
+    const MOST: u64 = 100_000;
+}
+
+impl FromStr for SeedRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (first, last) = text.split_once("..").unwrap_or((text, text));
+        let number = |t: &str| {
+            t.trim().parse::<u64>().map_err(|_| "write it as FIRST..LAST, such as 1..100".to_string())
+        };
+        let (first, last) = (number(first)?, number(last.trim_start_matches('='))?);
+        if last < first || last - first >= Self::MOST {
+            return Err(format!("from first to last, at most {} seeds", Self::MOST));
+        }
+        Ok(Self { first, last })
+    }
+}
+
+/// A tree of the table.
+struct Tree {
+    seed: u64,
+    steps: u32,
+    form: Form,
+    hash: u64,
+    stopped: Option<String>,
+}
+
+/// Columns that have a mean and a spread, and how to read them.
+const COLUMNS: [(&str, fn(&Form) -> f64); 9] = [
+    ("height_m", |f| f64::from(f.height_m)),
+    ("crown_width_m", |f| f64::from(f.crown_width_m)),
+    ("crown_base_m", |f| f64::from(f.crown_base_m)),
+    ("trunk_diameter_m", |f| f64::from(f.trunk_diameter_m)),
+    ("leaves", |f| f64::from(f.leaves)),
+    ("internodes", |f| f64::from(f.internodes)),
+    ("organs", |f| f64::from(f.organs)),
+    ("leaf_area_m2", |f| f.leaf_area_m2),
+    ("mean_light", |f| f.mean_light),
+];
+
+#[derive(Serialize)]
+struct Statistic {
+    name: &'static str,
+    mean: f64,
+    sd: f64,
+}
+
+#[derive(Serialize)]
+struct Summary<'a> {
+    scenario: &'a str,
+    trees: usize,
+    steps: u32,
+    stopped: usize,
+    statistics: &'a [Statistic],
+    files: Vec<String>,
+}
+
+/// Grows a tree for each seed, one on each thread, and writes the table.
+pub fn run(input: &Input, output: &Output, seeds: SeedRange, json: bool) -> Result<(), Failure> {
+    let plan = input.plan()?;
+    let mut folder = output.folder(&format!("{}_seeds", plan.resolved.scenario.name), &["seeds.csv"])?;
+    let count = (seeds.last - seeds.first + 1) as usize;
+    let bar = progress(count as u64, "tree");
+    let trees = input.workers()?.map(count, |i| {
+        let seed = seeds.first + i as u64;
+        let mut garden = Garden::new(plan.resolved.clone(), seed, Workers::new(1)?)?;
+        let mut stopped = None;
+        while garden.steps() < plan.steps && stopped.is_none() {
+            stopped = garden.step().err();
+        }
+        bar.inc(1);
+        Ok(Tree {
+            seed,
+            steps: garden.steps(),
+            form: garden.records().last().map(|r| r.form).unwrap_or_default(),
+            hash: garden.snapshot().hash(),
+            stopped: stopped.map(|e| e.to_string()),
+        })
+    });
+    bar.finish_and_clear();
+    let trees: Vec<Tree> = trees.into_iter().collect::<Result<_, Failure>>()?;
+
+    let statistics = COLUMNS.map(|(name, read)| {
+        let (mean, sd) = mean_and_sd(trees.iter().map(|t| read(&t.form)));
+        Statistic { name, mean, sd }
+    });
+    folder.create()?;
+    folder.text("seeds.csv", &table(&trees, &statistics))?;
+
+    let stopped = trees.iter().filter(|t| t.stopped.is_some()).count();
+    let name = &plan.resolved.scenario.name;
+    if json {
+        let files = folder.written.iter().map(|p| p.display().to_string()).collect();
+        let summary = Summary {
+            scenario: name,
+            trees: count,
+            steps: plan.steps,
+            stopped,
+            statistics: &statistics,
+            files,
+        };
+        // A summary of numbers and texts always serialises.
+        say(serde_json::to_string_pretty(&summary).unwrap_or_default());
+    } else {
+        say(format_args!("{name}, {count} trees of {} steps, mean and standard deviation:", plan.steps));
+        for Statistic { name, mean, sd } in &statistics {
+            say(format_args!("  {name:17} {mean:10.3} ± {sd:.3}"));
+        }
+        say(folder.line());
+    }
+    for tree in &trees {
+        if let Some(reason) = &tree.stopped {
+            eprintln!("burgeon: seed {}: {reason}", tree.seed);
+        }
+    }
+    Ok(())
+}
+
+fn table(trees: &[Tree], statistics: &[Statistic]) -> String {
+    let mut text = String::from("seed,steps");
+    for (name, _) in COLUMNS {
+        text.push_str(&format!(",{name}"));
+    }
+    text.push_str(",hash\n");
+    for tree in trees {
+        text.push_str(&format!("{},{}", tree.seed, tree.steps));
+        for (_, read) in COLUMNS {
+            text.push_str(&format!(",{}", read(&tree.form)));
+        }
+        text.push_str(&format!(",{:016x}\n", tree.hash));
+    }
+    for (name, read) in [("mean", (|s| s.mean) as fn(&Statistic) -> f64), ("sd", |s| s.sd)] {
+        text.push_str(&format!("{name},"));
+        for statistic in statistics {
+            text.push_str(&format!(",{}", read(statistic)));
+        }
+        text.push_str(",\n");
+    }
+    text
+}
+
+/// Mean and standard deviation of a sample (over n - 1); the deviation of one value is 0.
+fn mean_and_sd(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let n = values.clone().count().max(1) as f64;
+    let mean = values.clone().sum::<f64>() / n;
+    let squares = values.map(|x| (x - mean) * (x - mean)).sum::<f64>();
+    (mean, (squares / (n - 1.0).max(1.0)).sqrt())
+}

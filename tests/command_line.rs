@@ -1,0 +1,182 @@
+//! The program as people run it.
+#![cfg(feature = "cli")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use burgeon::files::RunFile;
+use serde_json::Value;
+
+/// Runs the program in a folder.
+fn burgeon(folder: &Path, arguments: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_burgeon"))
+        .args(arguments.split_whitespace())
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+/// Runs the program; what it printed, if it ended with that exit code.
+fn ends(folder: &Path, arguments: &str, code: i32) -> (String, String) {
+    let output = burgeon(folder, arguments);
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
+    let (out, err) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!(output.status.code(), Some(code), "burgeon {arguments}\n{out}{err}");
+    (out, err)
+}
+
+fn json(folder: &Path, arguments: &str) -> Value {
+    serde_json::from_str(&ends(folder, arguments, 0).0).unwrap()
+}
+
+fn is_empty(folder: &Path) -> bool {
+    std::fs::read_dir(folder).unwrap().next().is_none()
+}
+
+#[test]
+fn grow_leaves_pictures_a_model_tables_and_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let summary = json(at, "grow open --steps 4 --out o --timelapse --json --threads 1");
+    assert_eq!(summary["steps"], 4);
+    assert!(summary["leaves"].as_u64().unwrap() > 0);
+    let begins = |file: &str, magic: &[u8]| {
+        let bytes = std::fs::read(at.join("o").join(file)).unwrap();
+        assert!(bytes.starts_with(magic), "{file}");
+    };
+    begins("tree.png", b"\x89PNG");
+    begins("growth.gif", b"GIF89a");
+    begins("tree.glb", b"glTF");
+    begins("organs.csv", b"birth,");
+    let steps = std::fs::read_to_string(at.join("o/steps.csv")).unwrap();
+    assert_eq!(steps.lines().count(), 1 + 4);
+    assert_eq!(summary["files"].as_array().unwrap().len(), std::fs::read_dir(at.join("o")).unwrap().count());
+
+    // Nothing is overwritten unasked.
+    let (out, err) = ends(at, "grow open --steps 4 --out o", 1);
+    assert!(out.is_empty() && err.contains("--force"), "{err}");
+    ends(at, "grow open --steps 4 --out o --force", 0);
+}
+
+#[test]
+fn a_run_grows_again_as_the_same_tree_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    ends(at, "grow lamp --steps 6 --seed 7 --set species.leaves_per_node=2 --threads 1 --out o", 0);
+    let again = json(at, "grow o/run.ron --threads 2 --json");
+    assert_eq!((&again["same_tree"], &again["seed"], &again["steps"]), (&true.into(), &7.into(), &6.into()));
+
+    // A run whose tree has a hash of its own at step 3 is told apart there.
+    let text = std::fs::read_to_string(at.join("o/run.ron")).unwrap();
+    let run = RunFile::from_ron(&text, "run.ron").unwrap();
+    let hash = format!("{:016x}", run.hashes.get(3).unwrap());
+    std::fs::write(at.join("other.ron"), text.replace(&hash, "00000000deadbeef")).unwrap();
+    let (_, err) = ends(at, "grow other.ron --out p", 4);
+    assert!(err.contains("step 3"), "{err}");
+}
+
+#[test]
+fn a_resumed_run_is_the_run_grown_straight() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let straight = json(at, "grow two_oaks --steps 8 --json --out straight");
+    ends(at, "grow two_oaks --steps 3 --save half.save --out half", 0);
+    let resumed = json(at, "grow --resume half.save --steps 8 --json --out resumed");
+    assert_eq!(straight["hash"], resumed["hash"]);
+    let run = |name: &str| std::fs::read_to_string(at.join(name).join("run.ron")).unwrap();
+    assert_eq!(run("straight"), run("resumed"));
+
+    ends(at, "grow two_oaks --steps 3 --save half.save --out more", 1);
+    let mut bytes = std::fs::read(at.join("half.save")).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    std::fs::write(at.join("bad.save"), bytes).unwrap();
+    let (_, err) = ends(at, "grow --resume bad.save --out bad", 1);
+    assert!(err.contains("checksum"), "{err}");
+    assert!(!at.join("bad").exists());
+}
+
+#[test]
+fn bad_input_writes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for (arguments, code, says) in [
+        ("grow wal", 1, "wall"),
+        ("grow none.ron", 1, "no such file"),
+        ("grow open --set species.branching_angle_deg=NaN", 1, "0 to 180"),
+        ("grow open --set species.branching_angel_deg=4", 1, "branching_angle_deg"),
+        ("grow open --set scenario.sensing.bud_face=0", 1, "1 to 512"),
+        ("grow open --assets nowhere", 1, "nowhere"),
+        ("grow open --steps -1", 2, "-1"),
+        ("grow open --steps 99999999", 2, "--steps"),
+        ("grow open --threads 100000", 2, "--threads"),
+        ("grow open --seeds 5..1", 2, "--seeds"),
+        ("grow --resume none.save", 1, "none.save"),
+        ("probe open --at 1,2", 2, "three numbers"),
+        ("probe open --at NaN,0,0", 2, "three numbers"),
+        ("check none.ron", 1, ""),
+        ("describe nothing", 1, "nothing"),
+        ("sprout", 2, "sprout"),
+    ] {
+        let (_, err) = ends(at, arguments, code);
+        assert!(err.contains(says), "{arguments}: {err}");
+        assert!(is_empty(at), "{arguments} wrote something");
+    }
+}
+
+#[test]
+fn replicates_make_one_table_with_mean_and_spread() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let summary = json(at, "grow two_oaks --seeds 1..3 --steps 3 --json --out o");
+    assert_eq!(summary["trees"], 3);
+    let text = std::fs::read_to_string(at.join("o/seeds.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.iter().map(|r| r[0]).collect::<Vec<_>>(), ["seed", "1", "2", "3", "mean", "sd"]);
+    assert!(rows.iter().all(|row| row.len() == rows[0].len()));
+    let column = rows[0].iter().position(|name| *name == "height_m").unwrap();
+    let value = |row: usize| rows[row][column].parse::<f64>().unwrap();
+    assert!((value(4) - (value(1) + value(2) + value(3)) / 3.0).abs() < 1e-9);
+    // A replicate is the tree of that seed.
+    let one = json(at, "grow two_oaks --seed 2 --steps 3 --json --out one");
+    assert_eq!(rows[2].last(), one["hash"].as_str().as_ref());
+}
+
+#[test]
+fn probe_reads_light_and_space() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let reading = json(at, "probe wall --steps 1 --at -20,30,0 --face-size 8 --out o");
+    // High in the open, half of what is seen is sky.
+    assert!((reading["share"].as_f64().unwrap() - 0.5).abs() < 0.02, "{reading}");
+    assert_eq!(reading["faces"].as_array().unwrap().len(), 6);
+    assert!(at.join("o/probe.png").exists());
+    let beside = json(at, "probe wall --steps 1 --at 0.3,1,0 --face-size 8 --out p");
+    assert!(beside["light"].as_f64() < reading["light"].as_f64());
+    ends(at, "probe wall --steps 1 --at 0,1,0 --out o", 1);
+}
+
+#[test]
+fn check_and_describe() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    std::fs::write(at.join("elm.ron"), "(name: \"elm\", max_order: 5)").unwrap();
+    std::fs::write(at.join("grove.ron"), "(name: \"grove\", plants: [(species: \"elm.ron\")])").unwrap();
+    std::fs::write(at.join("bad.ron"), "(\n  max_order: 5.5,\n)").unwrap();
+    let (out, _) = ends(at, "check elm.ron grove.ron", 0);
+    assert_eq!(out.lines().count(), 2);
+    let (out, _) = ends(at, "check elm.ron bad.ron grove.ron", 1);
+    assert!(out.contains("bad.ron:2:14: `max_order` is 5.5"), "{out}");
+    assert_eq!(out.lines().count(), 3);
+
+    assert!(ends(at, "describe", 0).0.contains("courtyard"));
+    assert!(ends(at, "describe species", 0).0.contains("branching_angle_deg"));
+    assert!(ends(at, "describe scenario", 0).0.contains("lamps[].strength"));
+    assert!(ends(at, "describe oak", 0).0.contains("ByVigour *"));
+    assert!(ends(at, "describe lamp_moved", 0).0.contains("Move"));
+    assert!(ends(at, "describe elm.ron", 0).0.contains("5 *"));
+    assert!(ends(at, "completions bash", 0).0.contains("burgeon"));
+    let (_, err) = ends(at, "watch open --steps 2", 0);
+    assert_eq!(err.lines().count(), 1);
+    assert!(at.join("out/open/tree.png").exists());
+}
