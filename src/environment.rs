@@ -16,7 +16,7 @@ pub mod trace;
 pub mod workers;
 
 pub use gather::add_plants;
-pub use plugin::{EnvironmentPlugin, Ground, standing_solids};
+pub use plugin::{EnvironmentPlugin, Ground, standing_solids, whole_scene};
 pub use scene::{
     Capsule, Lamp, LeafPatch, Scene, Sky, SkyGradient, Solid, SolidShape, StandingLamp, StandingSolid, Sun,
     SunLight,

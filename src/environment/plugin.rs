@@ -4,7 +4,10 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::workers::Workers;
-use super::{Lamp, Scene, Sky, Solid, StandingLamp, StandingSolid, Sun, SunLight, probe::Sensing};
+use super::{
+    Lamp, Scene, Sky, Solid, StandingLamp, StandingSolid, Sun, SunLight, add_plants, probe::Sensing,
+};
+use crate::plant::Snapshot;
 
 /// Height of the infinite ground, metres; `None` for no ground. A resource.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Reflect, Serialize, Deserialize)]
@@ -79,4 +82,11 @@ pub fn standing_scene(world: &mut World) -> Scene {
         ground: world.get_resource::<Ground>().copied().unwrap_or_default().0,
         ..Scene::default()
     }
+}
+
+/// Everything in a world that can be seen: what stands there, and its plants.
+pub fn whole_scene(world: &mut World) -> Scene {
+    let mut scene = standing_scene(world);
+    add_plants(&mut scene, &Snapshot::take(world));
+    scene
 }

@@ -72,6 +72,31 @@ pub struct Solid {
     pub color: [f32; 3],
 }
 
+impl Solid {
+    /// Colour of a solid that was given none: pale masonry.
+    pub const COLOR: [f32; 3] = [0.456, 0.332, 0.231];
+
+    /// A solid of a shape, in pale masonry.
+    pub fn new(shape: SolidShape) -> Self {
+        Self { shape, color: Self::COLOR }
+    }
+
+    /// A box by its full size, metres.
+    pub fn block(size: Vec3) -> Self {
+        Self::new(SolidShape::Box { size })
+    }
+
+    /// A ball by its radius, metres.
+    pub fn ball(radius: f32) -> Self {
+        Self::new(SolidShape::Ball { radius })
+    }
+
+    /// An upright cylinder by its radius and full height, metres.
+    pub fn cylinder(radius: f32, height: f32) -> Self {
+        Self::new(SolidShape::Cylinder { radius, height })
+    }
+}
+
 /// A solid in its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StandingSolid {
@@ -98,6 +123,16 @@ pub struct Lamp {
     pub on: bool,
     /// Colour in pictures, linear RGB 0..1.
     pub color: [f32; 3],
+}
+
+impl Lamp {
+    /// Colour of a lamp that was given none: warm white.
+    pub const COLOR: [f32; 3] = [1.0, 0.631, 0.279];
+
+    /// A warm lamp that burns, by the radiance of its surface (1 is a full sky's) and its radius in metres.
+    pub fn new(strength: f32, radius: f32) -> Self {
+        Self { strength, radius, on: true, color: Self::COLOR }
+    }
 }
 
 /// A lamp in its place.

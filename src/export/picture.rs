@@ -12,6 +12,7 @@ mod cross;
 mod daylight;
 mod look;
 mod noise;
+mod photograph;
 mod surface;
 
 use bevy::math::ops;
@@ -28,6 +29,7 @@ use surface::{Surface, View, around};
 pub use camera::{Bounds, Camera};
 pub use cross::{CubeMapView, cube_map_picture};
 pub use look::{Palette, PlantLook};
+pub use photograph::photograph;
 
 /// How much light the air about a lamp scatters.
 const AIR: f32 = 0.007;

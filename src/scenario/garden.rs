@@ -9,9 +9,8 @@ use serde::{Deserialize, Serialize};
 use super::place::{self, RunSeed, SpeciesBook};
 use super::{Edit, EditError, Scenario, apply};
 use crate::BurgeonPlugins;
-use crate::environment::plugin::standing_scene;
 use crate::environment::workers::Workers;
-use crate::environment::{Ground, Lamp, Scene, Sky, Solid, Sun, add_plants};
+use crate::environment::{Ground, Lamp, Scene, Sky, Solid, Sun, whole_scene};
 use crate::files::ResolvedScenario;
 use crate::growth::{Mechanisms, StepCount, finish::StageTimes, grow};
 use crate::limits;
@@ -158,9 +157,7 @@ impl Garden {
 
     /// Everything that can be seen.
     pub fn scene(&mut self) -> Scene {
-        let mut scene = standing_scene(&mut self.world);
-        add_plants(&mut scene, &self.snapshot());
-        scene
+        whole_scene(&mut self.world)
     }
 
     /// The world it grows in.

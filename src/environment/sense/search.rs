@@ -216,7 +216,7 @@ mod tests {
         readings[5] = Reading { light: 0.75, space: 0.5 };
         let got = fitness(&search, &readings, 16)[5];
         let angle = search.direction(5).angle_between(Vec3::Y);
-        let want = 0.7 * 0.75 + 0.2 * 0.5 + 0.3 * angle.cos() + 0.4 * (angle - 1.0).cos();
+        let want = 0.7 * 0.75 + 0.2 * 0.5 + 0.3 * ops::cos(angle) + 0.4 * ops::cos(angle - 1.0);
         assert!((got - want).abs() < 1e-3, "{got} {want}");
         let rescaled = fitness(&Search { rescale: true, ..search }, &readings, 16)[5];
         assert!((rescaled - got - 0.7 * 0.25 - 0.2 * 0.5).abs() < 1e-3);
