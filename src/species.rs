@@ -42,6 +42,8 @@ parameters! {
         bending_angle_deg: f32 = 40.0, "deg", Range::real(0.0, 180.0);
         /// Angle about the stem from one leaf to the next.
         phyllotaxis_deg: f32 = 137.5, "deg", Range::real(0.0, 360.0);
+        /// Chance in the angles at which organs leave a stem and in those about it, standard deviation.
+        angle_spread_deg: f32 = 6.0, "deg", Range::real(0.0, 90.0);
         /// Length grown between two nodes.
         node_spacing_m: f32 = 0.2, "m", Range::real(0.001, 10.0);
         /// Longest straight segment; a longer node spacing is made of several.

@@ -29,9 +29,8 @@ impl Sketch {
             seed: 1,
             position,
             rotation: Quat::IDENTITY,
-            store: EnergyStore { stored: 3.5, germinated: true },
+            store: EnergyStore { stored: 3.5, germinated: Some(0) },
             ledger: EnergyLedger { income: 0.1 + 0.2, ..EnergyLedger::default() },
-            sown: 0,
         };
         Self {
             snapshot: Snapshot { step: 7, plants: vec![None, Some(record)], ..Snapshot::default() },
@@ -88,7 +87,7 @@ fn tree() -> Snapshot {
             let leaf = Leaf { size: 0.5 + 0.1 * k as f32, state: LeafState::Terminated };
             sketch.organ(parent, order, Quat::from_rotation_z(-1.0), OrganState::Leaf(leaf));
         }
-        let bud = OrganState::ApicalBud(ApicalBud::default(), Default::default(), None);
+        let bud = OrganState::ApicalBud(ApicalBud::default(), Default::default(), Default::default());
         sketch.organ(parent, order, Quat::IDENTITY, bud);
         stems
     };

@@ -1,8 +1,11 @@
 //! What opens and closes the generation of organs: books, seeds, shedding, poses.
 
+use core::f32::consts::TAU;
+
 use bevy::prelude::*;
 
 use super::{Mechanisms, StepCount};
+use crate::chance::{self, Purpose};
 use crate::environment::workers::Workers;
 use crate::plant::{
     Allotment, ApicalBud, Attachment, BranchOrder, Cause, EnergyFlow, EnergyLedger, EnergyStore, Exposure,
@@ -82,7 +85,12 @@ pub fn germinate(world: &mut World) {
                 Attachment(Quat::IDENTITY),
                 pose,
                 EnergyFlow::default(),
-                ApicalBud::default(),
+                // Which way round a seedling grows is chance.
+                ApicalBud {
+                    phyllotaxis: TAU
+                        * chance::unit(&mut chance::stream(seed.seed, Lineage::SEED, 0, Purpose::Divergence)),
+                    ..Default::default()
+                },
                 Steering::default(),
                 GrowthTarget { heading: pose.heading(), fitness: 0.0 },
                 Exposure { light: 1.0, space: 1.0, sensed: false },

@@ -5,8 +5,8 @@ use bevy::prelude::*;
 use super::generation::Condemned;
 use super::{Mechanisms, StepCount};
 use crate::plant::{
-    ApicalBud, Cause, EnergyFlow, EnergyLedger, Exposure, GrowthSpan, Internode, NO_PARENT, OrganKind, Plant,
-    Roster,
+    ApicalBud, BranchOrder, Cause, EnergyFlow, EnergyLedger, Exposure, GrowthSpan, Internode, NO_PARENT,
+    OrganKind, Plant, Roster,
 };
 
 /// An organ as the judges see it.
@@ -110,6 +110,14 @@ pub fn to_shed(
     shed
 }
 
+/// Whether a side axis begins with organ `i`: a stem of higher order than the one it grows from. The shoots of a
+/// fork go on as their parent's axis and are no side axes.
+fn begins_side_axis(roster: &Roster, i: usize, order: impl Fn(usize) -> Option<u32>) -> bool {
+    roster.kind[i] == OrganKind::Internode
+        && roster.parent[i] != NO_PARENT
+        && order(i) > order(roster.parent[i] as usize)
+}
+
 /// Condemns liabilities while upkeep is unpaid, side axes that have been poor for too long, and buds out of
 /// patience.
 #[allow(clippy::type_complexity, clippy::too_many_arguments, reason = "a system names what it reads")]
@@ -125,6 +133,7 @@ pub fn shed_liabilities(
         Option<&Exposure>,
         Option<&ApicalBud>,
         Option<&mut Internode>,
+        &BranchOrder,
     )>,
 ) {
     if !mechanisms.energy {
@@ -136,10 +145,9 @@ pub fn shed_liabilities(
             Account {
                 parent: roster.parent[i],
                 kind: roster.kind[i],
-                begins_axis: roster.parent[i] != NO_PARENT
-                    && organ
-                        .and_then(|o| o.4)
-                        .is_some_and(|internode| internode.height_in_branch <= internode.length),
+                begins_axis: begins_side_axis(&roster, i, |i| {
+                    organs.get(roster.entity[i]).ok().map(|o| o.5.0)
+                }),
                 income: organ.map_or(0.0, |o| o.0.income),
                 upkeep: organ.map_or(0.0, |o| o.0.upkeep),
                 sensed: organ.is_none_or(|o| o.2.is_none_or(|e| e.sensed)),
@@ -162,7 +170,9 @@ pub fn shed_liabilities(
         }
         if species.prune_patience > 0 {
             for i in (0..accounts.len()).filter(|&i| mine(i) && accounts[i].begins_axis) {
-                let Ok((_, span, _, _, Some(mut base))) = organs.get_mut(roster.entity[i]) else { continue };
+                let Ok((_, span, _, _, Some(mut base), _)) = organs.get_mut(roster.entity[i]) else {
+                    continue;
+                };
                 let young = step.0 - span.born() < 2;
                 let poor = sums[i].income < f64::from(species.prune_income) * f64::from(sums[i].internodes);
                 base.poor_steps = if poor && !young { base.poor_steps + 1 } else { 0 };

@@ -108,6 +108,11 @@ pub fn form_nodes(
         let Some(index) = roster.index_of(node.birth) else { continue };
         let species = &plant.species;
         let mut organs = layout(species, node.phyllotaxis, order.0);
+        let lineage = node_lineage(identity.lineage, node.node);
+        let mut spread = chance::stream(plant.seed, lineage, step.0, Purpose::Divergence);
+        for organ in &mut organs {
+            organ.attachment *= strayed(species, &mut spread);
+        }
         let mut rng = chance::stream(plant.seed, identity.lineage, step.0, Purpose::TerminalDeath);
         let dies =
             node.ends_unit && bud.nodes > 1 && chance::unit(&mut rng) < species.terminal_death.get(order.0);
@@ -117,7 +122,6 @@ pub fn form_nodes(
         let prepaid = mechanisms.energy && species.allocation == Allocation::ByVigour;
         let inherited = Exposure { sensed: false, ..*exposure };
         let tip = stem.tip(internode.length);
-        let lineage = node_lineage(identity.lineage, node.node);
         for (k, organ) in organs.into_iter().enumerate() {
             let offset = if organ.kind == OrganKind::ApicalBud { 0.0 } else { internode.radius };
             let pose = pose::attach(tip, stem.rotation, organ.attachment, offset);
@@ -164,6 +168,16 @@ pub fn form_nodes(
             condemned.0.push((identity.birth, if dies { Cause::Aborted } else { Cause::Branched }));
         }
     }
+}
+
+/// A chance turn of an organ: sideways and away from its stem.
+fn strayed(species: &Species, rng: &mut rand_pcg::Pcg64Mcg) -> Quat {
+    let spread = species.angle_spread_deg.to_radians();
+    if spread == 0.0 {
+        return Quat::IDENTITY;
+    }
+    let [sideways, away] = [0; 2].map(|_| chance::normal(rng) * spread);
+    Quat::from_rotation_z(sideways) * Quat::from_rotation_x(away)
 }
 
 /// Lineage that the organs of a node descend from.

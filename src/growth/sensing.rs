@@ -14,7 +14,7 @@ use crate::environment::sense::{Search, SenseRequest, Sensed, sense};
 use crate::environment::trace::Tracer;
 use crate::environment::workers::Workers;
 use crate::environment::{Scene, gather};
-use crate::plant::{Exposure, GrowthTarget, OrganKind, OrganState, Snapshot};
+use crate::plant::{Exposure, GrowthTarget, NO_PARENT, OrganKind, OrganState, Snapshot};
 use crate::species::{Allocation, Species};
 
 /// What there is to look at, from where, and what was seen: plain data.
@@ -22,10 +22,11 @@ use crate::species::{Allocation, Species};
 pub struct SensingJob {
     /// What can be seen.
     pub scene: Scene,
-    /// Who looks, in birth order.
+    /// From where they look.
     pub requests: Vec<SenseRequest>,
-    /// The entities that look.
-    pub lookers: Vec<Entity>,
+    /// The entities that look, and others that read what the same index finds: buds asleep in the axil of a
+    /// leaf take their light from it.
+    pub lookers: Vec<(Entity, usize)>,
     /// What each found; filled by [`render_cube_maps`].
     pub found: Vec<Sensed>,
     /// How they look.
@@ -43,14 +44,46 @@ pub fn gather_probes(world: &mut World) {
     let mut requests = Vec::new();
     let mut lookers = Vec::new();
     if mechanisms.light || mechanisms.space {
+        let leaves = axillant_leaves(&shot);
+        let mut index = vec![usize::MAX; shot.len()];
         for i in 0..shot.len() {
-            if let Some(request) = request(&shot, i, &settings, mechanisms) {
+            if matches!(shot.state[i], OrganState::Leaf(_))
+                && let Some(request) = request(&shot, i, &settings, mechanisms)
+            {
+                index[i] = requests.len();
+                lookers.push((roster.entity[i], requests.len()));
                 requests.push(request);
-                lookers.push(roster.entity[i]);
+            }
+        }
+        for i in 0..shot.len() {
+            if matches!(shot.state[i], OrganState::Leaf(_)) {
+                continue;
+            }
+            let Some(request) = request(&shot, i, &settings, mechanisms) else { continue };
+            let leaf = match shot.parent[i] {
+                NO_PARENT => u32::MAX,
+                stem => leaves[stem as usize],
+            };
+            if request.search.is_none() && leaf != u32::MAX && index[leaf as usize] != usize::MAX {
+                lookers.push((roster.entity[i], index[leaf as usize]));
+            } else {
+                lookers.push((roster.entity[i], requests.len()));
+                requests.push(request);
             }
         }
     }
     world.insert_resource(SensingJob { scene, requests, lookers, found: Vec::new(), settings });
+}
+
+/// The first living leaf on each stem segment, `u32::MAX` where there is none.
+fn axillant_leaves(shot: &Snapshot) -> Vec<u32> {
+    let mut leaves = vec![u32::MAX; shot.len()];
+    for i in (0..shot.len()).rev() {
+        if matches!(shot.state[i], OrganState::Leaf(leaf) if leaf.size > 0.0) && shot.parent[i] != NO_PARENT {
+            leaves[shot.parent[i] as usize] = i as u32;
+        }
+    }
+    leaves
 }
 
 /// What organ `i` asks of the environment, if it looks at all.
@@ -78,7 +111,7 @@ pub fn request(
         }
     };
     let support = shot.parent[i];
-    let support = if support == crate::plant::NO_PARENT { u32::MAX } else { shot.birth[support as usize] };
+    let support = if support == NO_PARENT { u32::MAX } else { shot.birth[support as usize] };
     let probe = Probe {
         position,
         blind_to: [shot.birth[i], support],
@@ -133,8 +166,9 @@ pub fn choose_growth_targets(world: &mut World) {
     let job = std::mem::take(&mut *world.resource_mut::<SensingJob>());
     let mechanisms = *world.resource::<Mechanisms>();
     let mut organs = world.query::<(&mut Exposure, Option<&mut GrowthTarget>)>();
-    for (entity, found) in job.lookers.iter().zip(&job.found) {
-        let Ok((mut exposure, target)) = organs.get_mut(world, *entity) else { continue };
+    for &(entity, index) in &job.lookers {
+        let Some(found) = job.found.get(index) else { continue };
+        let Ok((mut exposure, target)) = organs.get_mut(world, entity) else { continue };
         *exposure = Exposure {
             light: if mechanisms.light { found.light } else { 1.0 },
             space: if mechanisms.space { found.space } else { 1.0 },

@@ -203,7 +203,7 @@ fn share_by_vigour<'a>(
         let least = species.apical_control_least.min(young);
         (young + species.apical_control_ageing * age as f32).clamp(least, 1.0)
     };
-    let vigours = vigour::flow(&sinks, budget as f32, control);
+    let vigours = vigour::settle(sinks.clone(), budget as f32, species.vigour_short, control);
     let mut wishes: Vec<(usize, f32, f32)> = Vec::new();
     for (k, sink) in sinks.iter().enumerate() {
         if sink.kind != SinkKind::Bud {

@@ -61,6 +61,32 @@ pub fn shoot_cost(species: &Species, vigour: f32, order: u32, chance: f32) -> f3
     }
 }
 
+/// Passes in which the part of buds too weak to grow is shared again.
+const SHARED_AGAIN: u32 = 3;
+
+/// [`flow`], with the part of buds that stay below `least` shared again among the others.
+pub fn settle(mut sinks: Vec<Sink>, total: f32, least: f32, control: impl Fn(u32) -> f32) -> Vec<f32> {
+    let mut vigour = flow(&sinks, total, &control);
+    for _ in 0..SHARED_AGAIN {
+        let mut weak = false;
+        for (sink, v) in sinks.iter_mut().zip(&vigour) {
+            if sink.kind == SinkKind::Bud && *v < least && sink.demand > 0.0 {
+                sink.kind = SinkKind::Spent;
+                weak = true;
+            }
+        }
+        if !weak {
+            break;
+        }
+        let again = flow(&sinks, total, &control);
+        if again.iter().zip(&sinks).all(|(v, s)| s.kind != SinkKind::Bud || *v < least) {
+            break;
+        }
+        vigour = again;
+    }
+    vigour
+}
+
 /// Vigour that reaches every organ when `total` enters at the base.
 ///
 /// At a fork the main axis (children of the stem's own order) gets `c W_m / (c W_m + (1 - c) W_l)` of it, with

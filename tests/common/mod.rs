@@ -1,0 +1,47 @@
+//! What the tests share: gardens, organs set by hand, invariants and measures.
+
+#![allow(dead_code, reason = "each test file uses a part of it")]
+
+pub mod by_hand;
+pub mod check;
+pub mod measure;
+
+use std::ops::Range;
+
+use burgeon::assets::Library;
+use burgeon::environment::workers::Workers;
+use burgeon::files::ResolvedScenario;
+use burgeon::scenario::Garden;
+
+/// A shipped scenario as it is.
+pub fn shipped(name: &str) -> ResolvedScenario {
+    Library::embedded().scenario(name).unwrap()
+}
+
+/// A shipped scenario that looks around through small faces, to be quick.
+pub fn quick(name: &str) -> ResolvedScenario {
+    let mut resolved = shipped(name);
+    resolved.scenario.sensing.leaf_face = 4;
+    resolved.scenario.sensing.bud_face = 6;
+    resolved
+}
+
+/// A scenario set out, on the calling thread alone.
+pub fn garden(resolved: ResolvedScenario, seed: u64) -> Garden {
+    Garden::new(resolved, seed, Workers::new(1).unwrap()).unwrap()
+}
+
+/// A scenario grown by a number of steps.
+pub fn grown(resolved: ResolvedScenario, seed: u64, steps: u32) -> Garden {
+    let mut garden = garden(resolved, seed);
+    for _ in 0..steps {
+        garden.step().unwrap();
+    }
+    garden
+}
+
+/// Does a task for every seed, in parallel; results in the order of seeds.
+pub fn over_seeds<T: Send>(seeds: Range<u64>, task: impl Fn(u64) -> T + Sync) -> Vec<T> {
+    let first = seeds.start;
+    Workers::default().map(seeds.count(), |i| task(first + i as u64))
+}
