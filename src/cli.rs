@@ -8,6 +8,7 @@ mod grow;
 mod input;
 mod output;
 mod probe;
+mod reproduce;
 mod seeds;
 mod watch;
 
@@ -46,6 +47,8 @@ enum Command {
     Check(check::Check),
     /// Show the table of parameters, a species, or what stands where in a scenario.
     Describe(describe::Describe),
+    /// Grow a figure of a paper and measure what the paper says of it.
+    Reproduce(reproduce::Reproduce),
     /// Print the completion script of a shell.
     Completions(completions::Completions),
 }
@@ -59,6 +62,8 @@ enum Failure {
     Save(#[from] SaveError),
     #[error(transparent)]
     Edit(#[from] EditError),
+    #[error(transparent)]
+    Reproduce(#[from] burgeon::reproduce::ReproduceError),
     #[error(transparent)]
     Workers(#[from] WorkersError),
     #[error(transparent)]
@@ -104,6 +109,7 @@ pub fn main() -> ExitCode {
         Some(Command::Probe(command)) => command.run(),
         Some(Command::Check(command)) => command.run(),
         Some(Command::Describe(command)) => command.run(),
+        Some(Command::Reproduce(command)) => command.run(),
         Some(Command::Completions(command)) => command.run(),
     };
     match result {

@@ -21,6 +21,11 @@ pub struct SeedRange {
 impl SeedRange {
     /// The most seeds of one table.
     const MOST: u64 = 100_000;
+
+    /// As a range.
+    pub fn range(self) -> core::ops::RangeInclusive<u64> {
+        self.first..=self.last
+    }
 }
 
 impl FromStr for SeedRange {

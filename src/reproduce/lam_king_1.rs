@@ -1,0 +1,143 @@
+//! Figure 1: (a) no environment, (b) light and space, (c) and energy, (d) and a wall (`LK-17`).
+
+use core::ops::RangeInclusive;
+
+use image::RgbImage;
+
+use super::measure::{collisions, crown_to_wall, mean, passing_through, rank_correlation};
+use super::{Claim, ReproduceError, for_seeds, grown, pictures};
+use crate::assets::Library;
+use crate::environment::workers::Workers;
+use crate::environment::{Solid, StandingSolid};
+use crate::export::canvas;
+use crate::export::picture::PictureSettings;
+use crate::plant::{OrganKind, Snapshot};
+use crate::scenario::Garden;
+
+const PARTS: [(&str, &str); 4] = [
+    ("figure_1a", "a  no environment"),
+    ("figure_1b", "b  light and space"),
+    ("figure_1c", "c  and energy"),
+    ("figure_1d", "d  and a wall"),
+];
+
+/// What the claims are about, of one seed.
+struct Tree {
+    collisions: [usize; 4],
+    /// Branches that collide, of a thousand.
+    collision_rate: [f64; 4],
+    /// Correlation of a bud's height with the energy it receives, in (b) and (c).
+    favour: [f64; 2],
+    /// Distance of the crown from the wall's face, metres, in (c) and (d).
+    distance: [f64; 2],
+    through_wall: usize,
+}
+
+pub(super) fn grow(
+    seeds: RangeInclusive<u64>,
+    library: &Library,
+    size: PictureSettings,
+    workers: &Workers,
+) -> Result<(Vec<Claim>, RgbImage), ReproduceError> {
+    let trees = for_seeds(seeds.clone(), workers, |seed| measured(library, seed))?;
+    let of = |what: &dyn Fn(&Tree) -> f64| mean(&trees.iter().map(what).collect::<Vec<_>>());
+    let all = |what: &dyn Fn(&Tree) -> bool| trees.iter().filter(|t| what(t)).count();
+    let n = trees.len();
+
+    let (in_a, in_b) = (of(&|t| t.collision_rate[0]), of(&|t| t.collision_rate[1]));
+    let fewer = all(&|t| t.collisions[0] > t.collisions[1]);
+    let (even, favoured) = (of(&|t| t.favour[0]), of(&|t| t.favour[1]));
+    let higher = all(&|t| t.favour[1] > 0.0);
+    let (near, far) = (of(&|t| t.distance[0]), of(&|t| t.distance[1]));
+    let turned = all(&|t| t.distance[1] > t.distance[0]);
+    let through = trees.iter().map(|t| t.through_wall).sum::<usize>();
+    let claims = vec![
+        Claim {
+            row: "LK-17",
+            paper: "(a) branches collide; (b) they do not, or hardly",
+            measured: format!(
+                "pairs that collide: a {:.0}, b {:.0} a tree; of 1000 internodes {in_a:.0} and {in_b:.0}; \
+                 a > b for {fewer} of {n} seeds",
+                of(&|t| t.collisions[0] as f64),
+                of(&|t| t.collisions[1] as f64),
+            ),
+            holds: fewer == n,
+        },
+        Claim {
+            row: "LK-17",
+            paper: "(c) higher buds are favoured over lower ones; in (b) all are alike",
+            measured: format!(
+                "rank correlation of height and energy: c {favoured:+.2}, b {even:+.2}; c > 0 for {higher} of {n}"
+            ),
+            holds: favoured > 0.15 && even.abs() < 0.05,
+        },
+        Claim {
+            row: "LK-17",
+            paper: "(d) branches turn away from the wall",
+            measured: format!(
+                "leaves' mean distance to it: d {far:.2} m, c {near:.2} m; d > c for {turned} of {n}"
+            ),
+            holds: turned == n,
+        },
+        Claim {
+            row: "LK-17",
+            paper: "(d) no branch passes through the wall",
+            measured: format!("{through} internodes in {n} trees"),
+            holds: through == 0,
+        },
+    ];
+    let mut scenes = Vec::new();
+    for (name, caption) in PARTS {
+        let (mut garden, _) = grown(library, name, *seeds.start(), |_| ())?;
+        scenes.push((garden.scene(), garden.snapshot(), caption.to_string()));
+    }
+    let sheet = canvas::side_by_side(&pictures(&scenes, 0.0, size, workers), 4);
+    Ok((claims, sheet))
+}
+
+fn measured(library: &Library, seed: u64) -> Result<Tree, ReproduceError> {
+    let mut tree = Tree {
+        collisions: [0; 4],
+        collision_rate: [0.0; 4],
+        favour: [0.0; 2],
+        distance: [0.0; 2],
+        through_wall: 0,
+    };
+    let mut shots = Vec::new();
+    let mut walls = Vec::new();
+    for (part, (name, _)) in PARTS.into_iter().enumerate() {
+        let (mut garden, favours) = grown(library, name, seed, favour)?;
+        let shot = garden.snapshot();
+        tree.collisions[part] = collisions(&shot);
+        let stems = shot.state.iter().filter(|s| s.kind() == OrganKind::Internode).count();
+        tree.collision_rate[part] = 1000.0 * tree.collisions[part] as f64 / stems.max(1) as f64;
+        if part == 1 || part == 2 {
+            let known: Vec<f64> = favours.into_iter().flatten().collect();
+            tree.favour[part - 1] = mean(&known);
+        }
+        if part == 3 {
+            walls = walls_of(&mut garden);
+        }
+        shots.push(shot);
+    }
+    tree.distance = [2, 3].map(|part| crown_to_wall(&shots[part], &walls));
+    tree.through_wall = passing_through(&shots[3], &walls);
+    Ok(tree)
+}
+
+fn walls_of(garden: &mut Garden) -> Vec<StandingSolid> {
+    let world = garden.world_mut();
+    let mut solids = world.query::<(&Solid, &bevy::prelude::Transform)>();
+    crate::environment::standing_solids(solids.iter(world))
+}
+
+/// Rank correlation of the height of apical buds with the energy they were just given; `None` while there are
+/// fewer than five. Without energy in the model all are given what they can use.
+fn favour(garden: &mut Garden) -> Option<f64> {
+    let shot: Snapshot = garden.snapshot();
+    let pairs: Vec<(f32, f32)> = (0..shot.len())
+        .filter(|&i| shot.state[i].kind() == OrganKind::ApicalBud)
+        .map(|i| (shot.pose[i].position.y, shot.allotment[i]))
+        .collect();
+    (pairs.len() >= 5).then(|| rank_correlation(&pairs))
+}

@@ -1,0 +1,160 @@
+//! Measures of grown plants that the papers' claims are put to.
+
+use bevy::prelude::*;
+
+use crate::environment::obstacles::touches;
+use crate::environment::{SolidShape, StandingSolid};
+use crate::plant::{OrganKind, OrganState, Snapshot};
+
+/// The mean; 0 of nothing.
+pub fn mean(values: &[f64]) -> f64 {
+    if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
+}
+
+/// Standard deviation over mean; 0 of nothing.
+pub fn spread(values: &[f64]) -> f64 {
+    let middle = mean(values);
+    let variance = mean(&values.iter().map(|v| (v - middle) * (v - middle)).collect::<Vec<_>>());
+    if middle > 0.0 { variance.sqrt() / middle } else { 0.0 }
+}
+
+/// Spearman's rank correlation, -1 to 1, ties sharing their mean rank; 0 if either side is all alike.
+pub fn rank_correlation(pairs: &[(f32, f32)]) -> f64 {
+    let x = ranks(pairs.iter().map(|p| p.0));
+    let y = ranks(pairs.iter().map(|p| p.1));
+    let middle = (pairs.len() as f64 + 1.0) / 2.0;
+    let product =
+        |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| (a - middle) * (b - middle)).sum() };
+    let scale = product(&x, &x) * product(&y, &y);
+    if scale > 0.0 { product(&x, &y) / scale.sqrt() } else { 0.0 }
+}
+
+fn ranks(values: impl Iterator<Item = f32>) -> Vec<f64> {
+    let mut sorted: Vec<(f32, usize)> = values.enumerate().map(|(i, v)| (v, i)).collect();
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut ranks = vec![0.0; sorted.len()];
+    let mut below = 0;
+    for tied in sorted.chunk_by(|a, b| a.0 == b.0) {
+        for &(_, i) in tied {
+            ranks[i] = below as f64 + (tied.len() as f64 + 1.0) / 2.0;
+        }
+        below += tied.len();
+    }
+    ranks
+}
+
+/// A stem segment to be tested against others.
+struct Stem {
+    from: Vec3,
+    to: Vec3,
+    radius: f32,
+    low: Vec3,
+    high: Vec3,
+    index: u32,
+    parent: u32,
+}
+
+/// Pairs of internodes that run into each other although they do not meet at a node (`LK-17`).
+pub fn collisions(shot: &Snapshot) -> usize {
+    let mut stems: Vec<Stem> = shot
+        .state
+        .iter()
+        .enumerate()
+        .filter_map(|(i, state)| {
+            let OrganState::Internode(wood, _) = state else { return None };
+            let (from, to) = (shot.pose[i].position, shot.pose[i].tip(wood.length));
+            let girth = Vec3::splat(wood.radius);
+            let (low, high) = (from.min(to) - girth, from.max(to) + girth);
+            Some(Stem { from, to, radius: wood.radius, low, high, index: i as u32, parent: shot.parent[i] })
+        })
+        .collect();
+    stems.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
+    let mut pairs = 0;
+    for (k, a) in stems.iter().enumerate() {
+        for b in stems[k + 1..].iter().take_while(|b| b.low.x <= a.high.x) {
+            let meet_at_node = a.parent == b.parent || a.parent == b.index || b.parent == a.index;
+            let apart = a.low.cmpgt(b.high).any() || b.low.cmpgt(a.high).any();
+            if !meet_at_node && !apart && gap((a.from, a.to), (b.from, b.to)) < a.radius + b.radius {
+                pairs += 1;
+            }
+        }
+    }
+    pairs
+}
+
+/// Least distance between two straight segments, metres.
+pub fn gap((a, a_end): (Vec3, Vec3), (b, b_end): (Vec3, Vec3)) -> f32 {
+    let (along_a, along_b, between) = (a_end - a, b_end - b, a - b);
+    let (aa, bb, ab) = (along_a.length_squared(), along_b.length_squared(), along_a.dot(along_b));
+    let (a_between, b_between) = (along_a.dot(between), along_b.dot(between));
+    let share = |over: f32, under: f32| if under > 0.0 { (over / under).clamp(0.0, 1.0) } else { 0.0 };
+    let at_a = share(ab * b_between - bb * a_between, aa * bb - ab * ab);
+    let at_b = share(ab * at_a + b_between, bb);
+    let at_a = share(ab * at_b - a_between, aa);
+    (a + along_a * at_a).distance(b + along_b * at_b)
+}
+
+/// Mean distance of the leaves from the nearest of the solids, metres; 0 without leaves or solids.
+pub fn crown_to_wall(shot: &Snapshot, solids: &[StandingSolid]) -> f64 {
+    let leaves = (0..shot.len()).filter(|&i| shot.state[i].kind() == OrganKind::Leaf);
+    let distances: Vec<f64> = leaves
+        .filter_map(|i| solids.iter().map(|s| outside(s, shot.pose[i].position)).reduce(f32::min))
+        .map(f64::from)
+        .collect();
+    mean(&distances)
+}
+
+/// Distance of a point from a solid, metres; 0 inside.
+fn outside(solid: &StandingSolid, point: Vec3) -> f32 {
+    let at = (solid.rotation.inverse() * (point - solid.position)).abs();
+    match solid.shape {
+        SolidShape::Box { size } => (at - size * 0.5).max(Vec3::ZERO).length(),
+        SolidShape::Ball { radius } => (at.length() - radius).max(0.0),
+        SolidShape::Cylinder { radius, height } => {
+            let side = (Vec2::new(at.x, at.z).length() - radius).max(0.0);
+            Vec2::new(side, (at.y - height * 0.5).max(0.0)).length()
+        }
+    }
+}
+
+/// Internodes whose axis passes through a solid.
+pub fn passing_through(shot: &Snapshot, solids: &[StandingSolid]) -> usize {
+    let through = |i: &usize| match &shot.state[*i] {
+        OrganState::Internode(wood, _) => {
+            let (from, to) = (shot.pose[*i].position, shot.pose[*i].tip(wood.length));
+            solids.iter().any(|solid| touches(solid, from, to, 0.0))
+        }
+        _ => false,
+    };
+    (0..shot.len()).filter(through).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranks_share_ties_and_correlate() {
+        assert_eq!(rank_correlation(&[(1.0, 10.0), (2.0, 20.0), (3.0, 500.0)]), 1.0);
+        assert_eq!(rank_correlation(&[(1.0, 3.0), (2.0, 2.0), (3.0, 1.0)]), -1.0);
+        assert_eq!(rank_correlation(&[(1.0, 7.0), (2.0, 7.0), (3.0, 7.0)]), 0.0);
+        // By hand: ranks 1 2.5 2.5 4 against 1 2 3 4.
+        let tied = rank_correlation(&[(1.0, 1.0), (2.0, 2.0), (2.0, 3.0), (4.0, 4.0)]);
+        assert!((tied - 4.5 / (4.5_f64 * 5.0).sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn gaps_between_segments() {
+        let x = (Vec3::ZERO, Vec3::X);
+        assert_eq!(gap(x, (Vec3::Y, Vec3::Y + Vec3::X)), 1.0);
+        assert_eq!(gap(x, (Vec3::new(0.5, 2.0, -1.0), Vec3::new(0.5, 2.0, 1.0))), 2.0);
+        assert_eq!(gap(x, (Vec3::new(3.0, 0.0, 0.0), Vec3::new(4.0, 0.0, 0.0))), 2.0);
+        assert_eq!(gap(x, (Vec3::new(0.5, -1.0, 0.0), Vec3::new(0.5, 1.0, 0.0))), 0.0);
+    }
+
+    #[test]
+    fn spread_is_deviation_over_mean() {
+        assert_eq!(spread(&[2.0, 2.0]), 0.0);
+        assert_eq!(spread(&[1.0, 3.0]), 0.5);
+    }
+}
