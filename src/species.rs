@@ -123,9 +123,9 @@ parameters! {
         /// Energy in the seed.
         seed_energy: f32 = 12.0, "energy", Range::real(0.0, 1.0e6);
         /// Share of the store released for growth each step.
-        store_release: f32 = 0.35, "1/step", Range::real(0.0, 1.0);
+        store_release: f32 = 0.5, "1/step", Range::real(0.0, 1.0);
         /// Energy a full-grown leaf earns in a step in full light.
-        leaf_income: f32 = 1.0, "energy/step", Range::real(0.0, 1000.0);
+        leaf_income: f32 = 2.0, "energy/step", Range::real(0.0, 1000.0);
         /// Curvature of income against light: 0 proportional, larger saturates earlier, `(1+k)L/(L+k)` with k = 1/this.
         light_saturation: f32 = 0.0, "", Range::real(0.0, 100.0);
         /// Share of the day the stomata are open.
