@@ -381,7 +381,8 @@ fn gather_probes_asks_for_every_bud_and_leaf_and_only_fed_buds_search() {
     let unfed = nursery.apical_bud(Some(trunk), 1.0, 0.0);
     nursery.run(gather_probes);
     let job = nursery.app.world().resource::<SensingJob>();
-    assert_eq!(job.lookers, [leaf, fed, unfed]);
+    let lookers: Vec<Entity> = job.lookers.iter().map(|l| l.0).collect();
+    assert_eq!(lookers, [leaf, fed, unfed]);
     let searches: Vec<bool> = job.requests.iter().map(|r| r.search.is_some()).collect();
     assert_eq!(searches, [false, true, false]);
     assert_eq!((job.scene.capsules.len(), job.scene.leaves.len()), (1, 1));
