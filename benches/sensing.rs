@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 
-use bevy::math::{Quat, Vec3};
+use bevy::math::{Quat, Vec3, ops};
 use burgeon::environment::cube_map::CubeMap;
 use burgeon::environment::probe::{Probe, Sensing, SensingMode};
 use burgeon::environment::sense::{SenseRequest, sense};
@@ -37,7 +37,7 @@ impl Noise {
 /// crown's size keeps the density of leaves that of a tree 5 m wide with 3,000.
 fn crown(leaves: usize, twigs: usize) -> Scene {
     let mut noise = Noise(1);
-    let size = 2.5 * (leaves as f32 / 3000.0).cbrt();
+    let size = 2.5 * ops::cbrt(leaves as f32 / 3000.0);
     let middle = Vec3::Y * (size + 1.0);
     let mut scene = Scene { ground: Some(0.0), ..Scene::default() };
     for i in 0..leaves {

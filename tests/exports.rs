@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bevy::math::ops;
 use bevy::prelude::*;
 use burgeon::environment::{Scene, add_plants};
 use burgeon::export::{ExportError, gltf as model, tables};
@@ -254,7 +255,7 @@ fn organs_csv_reads_back_exactly() {
             }
             OrganState::ApicalBud(..) => assert_eq!((cell("kind"), cell("state")), ("apical_bud", "growing")),
             OrganState::LateralBud(..) => {
-                assert_eq!((cell("kind"), cell("state")), ("lateral_bud", "dormant"))
+                assert_eq!((cell("kind"), cell("state")), ("lateral_bud", "dormant"));
             }
         }
     }
@@ -372,6 +373,6 @@ fn wood_does_not_pinch_where_an_axis_forks() {
         sketch.stem(trunk, 1, Quat::from_rotation_z(side), 1.0, 0.08, 1.0);
     }
     let surface = &wood(&sketch.finish())[1];
-    let at_fork = surface.positions.iter().filter(|p| p[1] == 1.0).map(|p| p[0].hypot(p[2]));
+    let at_fork = surface.positions.iter().filter(|p| p[1] == 1.0).map(|p| ops::hypot(p[0], p[2]));
     assert!((at_fork.fold(0.0, f32::max) - 0.1).abs() < 1e-6);
 }

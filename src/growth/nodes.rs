@@ -1,4 +1,4 @@
-//! Nodes: rule 2 (A -> N [L B] [A]), and the leaves that unfold there (`LK-5`, `LK-8`).
+//! Nodes: rule 2 (`A -> N [L B] [A]`), and the leaves that unfold there (`LK-5`, `LK-8`).
 
 use bevy::prelude::*;
 

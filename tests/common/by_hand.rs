@@ -1,6 +1,7 @@
 //! A few organs set by hand under Bevy's minimal plugins.
 
 use bevy::ecs::system::RunSystemOnce;
+use bevy::math::ops;
 use bevy::prelude::*;
 use burgeon::BurgeonPlugins;
 use burgeon::growth::generation::Condemned;
@@ -58,7 +59,7 @@ impl Nursery {
             radius,
             height_since_node: length,
             height_in_branch: if turned { length } else { below + length },
-            pipe: radius.powf(species.pipe_exponent),
+            pipe: ops::powf(radius, species.pipe_exponent),
             poor_steps: 0,
         };
         let order = order + u32::from(turned);

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use bevy::math::ops;
 use bevy::prelude::*;
 use burgeon::environment::Solid;
 use burgeon::environment::{SolidShape, StandingSolid, standing_solids};
@@ -10,8 +11,9 @@ use burgeon::plant::{Identity, NO_PARENT, OrganKind, OrganState, Roster, Snapsho
 /// Fails with a sentence.
 macro_rules! hold {
     ($condition:expr, $($words:tt)+) => {
-        if !$condition {
-            return Err(format!($($words)+));
+        match $condition {
+            true => {}
+            false => return Err(format!($($words)+)),
         }
     };
 }
@@ -125,7 +127,7 @@ fn wood(shot: &Snapshot) -> Result<(), String> {
     for i in (0..shot.len()).rev() {
         let OrganState::Internode(stem, _) = &shot.state[i] else { continue };
         let Some(plant) = &shot.plants[shot.plant[i] as usize] else { continue };
-        let pipe = f64::from(stem.radius).powf(f64::from(plant.species.pipe_exponent));
+        let pipe = f64::from(ops::powf(stem.radius, plant.species.pipe_exponent));
         let off = (pipe - f64::from(stem.pipe)).abs() / pipe;
         hold!(off < 1e-3, "pipe of {i} is {} at radius {}", stem.pipe, stem.radius);
         if plant.species.wood_cost == 0.0 {
