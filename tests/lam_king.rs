@@ -302,6 +302,9 @@ fn lk_11_a_deficit_is_paid_from_the_store_first() {
     }
     assert!(paid > 0);
     assert!(garden.world().resource::<Fallen>().tombstones.iter().any(|t| t.cause == Cause::Liability));
+    let end = garden.snapshot();
+    let stored = end.plants[0].as_ref().unwrap().store.stored;
+    assert_eq!((leaves(&end), stored), (0, 0.0), "in the dark it starves to nothing");
 }
 
 #[test]

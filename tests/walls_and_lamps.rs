@@ -16,30 +16,39 @@ use common::{grown, over_seeds, quick};
 
 const SEEDS: std::ops::Range<u64> = 1..11;
 
+/// A scenario whose oaks stay small, looking around through the smallest faces.
+fn small_oaks(name: &str) -> ResolvedScenario {
+    let mut resolved = quick(name);
+    resolved.scenario.sensing.leaf_face = 2;
+    resolved.scenario.sensing.bud_face = 4;
+    resolved.species.get_mut("oak").unwrap().leaf_income = 6.0;
+    resolved
+}
+
+/// Mean heading along x of the wood grown in some steps.
+fn heading_x(shot: &Snapshot, steps: std::ops::Range<u32>) -> f32 {
+    let new = (0..shot.len())
+        .filter(|&i| shot.state[i].kind() == OrganKind::Internode && steps.contains(&shot.span[i].born()));
+    let (sum, length) =
+        new.fold((0.0, 0.0), |(s, l), i| (s + shot.pose[i].heading().x * shot.length(i), l + shot.length(i)));
+    sum / length
+}
+
 #[test]
 fn the_crown_leans_to_the_lamp() {
-    let lean = over_seeds(SEEDS, |seed| wood_centroid(&grown(quick("lamp"), seed, 14).snapshot(), 0).x);
-    println!("lamp: centroid of the wood at x = {lean:.2?} m, the lamp at 4 m");
-    assert!(lean.iter().all(|&x| x > 0.0), "{lean:?}");
+    let trees = over_seeds(SEEDS, |seed| grown(small_oaks("lamp"), seed, 20).snapshot());
+    let lean: Vec<f32> = trees.iter().map(|shot| wood_centroid(shot, 0).x).collect();
+    let heading: Vec<f32> = trees.iter().map(|shot| heading_x(shot, 10..20)).collect();
+    println!("lamp at x = 4 m: wood centred at {lean:.2?} m, the crown heads {heading:.2?} that way");
+    assert!(heading.iter().all(|&x| x > 0.05), "every crown grows towards the lamp: {heading:?}");
+    assert!(lean.iter().sum::<f32>() / lean.len() as f32 > 0.05, "and the trees lean to it: {lean:?}");
 }
 
 #[test]
 fn what_grows_after_the_lamp_has_moved_leans_the_other_way() {
-    let heading_of_new = |shot: &Snapshot, since: u32, until: u32| {
-        let new = |i: usize| {
-            shot.state[i].kind() == OrganKind::Internode && (since..until).contains(&shot.span[i].born())
-        };
-        let sum: f32 =
-            (0..shot.len()).filter(|&i| new(i)).map(|i| shot.pose[i].heading().x * shot.length(i)).sum();
-        let length: f32 = (0..shot.len()).filter(|&i| new(i)).map(|i| shot.length(i)).sum();
-        sum / length.max(1e-6)
-    };
     let turned = over_seeds(SEEDS, |seed| {
-        let mut resolved = quick("lamp_moved");
-        resolved.scenario.sensing.leaf_face = 2;
-        resolved.scenario.sensing.bud_face = 4;
-        let shot = grown(resolved, seed, 23).snapshot();
-        [heading_of_new(&shot, 0, 20), heading_of_new(&shot, 21, 23)]
+        let shot = grown(small_oaks("lamp_moved"), seed, 27).snapshot();
+        [heading_x(&shot, 10..20), heading_x(&shot, 23..27)]
     });
     println!("lamp moved: mean heading along x before and after {turned:.2?}");
     for [before, after] in turned {
@@ -50,7 +59,7 @@ fn what_grows_after_the_lamp_has_moved_leans_the_other_way() {
 #[test]
 fn a_tree_whose_only_lamp_goes_out_starves() {
     for seed in 1..4 {
-        let mut resolved = quick("lamp");
+        let mut resolved = small_oaks("lamp");
         resolved.scenario.sky = Sky { strength: 0.0, ..resolved.scenario.sky };
         resolved.scenario.edits =
             vec![TimedEdit { step: 8, edit: Edit::Switch { name: "lamp".into(), on: false } }];
@@ -307,7 +316,8 @@ fn an_organ_despawned_from_outside_takes_what_it_bore_along() {
 #[test]
 fn two_trees_together_are_both_smaller_than_alone() {
     let steps = 12;
-    let mut resolved = quick("two_oaks");
+    let mut resolved = small_oaks("two_oaks");
+    resolved.species.get_mut("oak").unwrap().leaf_income = 7.0;
     for (plant, x) in resolved.scenario.plants.iter_mut().zip([-0.4, 0.4]) {
         plant.at = Vec3::X * x;
     }
