@@ -213,7 +213,7 @@ fn lk_09_the_seed_feeds_the_first_shoot_and_after_that_leaves_alone() {
 
 #[test]
 fn lk_10_income_is_in_proportion_to_light_and_to_the_time_stomata_are_open() {
-    let species = Species::default();
+    let species = Species { leaf_income: 1.0, ..Species::default() };
     let income = |light| energy::leaf_income(&species, 1.0, light);
     assert_eq!((income(0.0), income(0.25), income(0.5), income(1.0)), (0.0, 0.25, 0.5, 1.0));
     let half = Species { stomata_open: 0.5, ..species };

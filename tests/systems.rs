@@ -16,8 +16,9 @@ use burgeon::plant::{
 use burgeon::species::Species;
 use common::by_hand::Nursery;
 
+/// The constants of the paper, without the chance in angles.
 fn lam_king() -> Species {
-    Species::default()
+    Species { angle_spread_deg: 0.0, ..Species::default() }
 }
 
 #[track_caller]

@@ -62,6 +62,11 @@ fn ranks(values: &[f32]) -> Vec<f64> {
 
 /// Pairs of stem segments of different axes that run into each other and share no node.
 pub fn collisions(shot: &Snapshot) -> usize {
+    collisions_of(shot, f32::MAX)
+}
+
+/// [`collisions`] of stems taken no thicker than a radius.
+pub fn collisions_of(shot: &Snapshot, most: f32) -> usize {
     struct Stem {
         index: usize,
         low: Vec3,
@@ -73,7 +78,7 @@ pub fn collisions(shot: &Snapshot) -> usize {
             let OrganState::Internode(wood, _) = &shot.state[index] else { return None };
             let (a, b) = (shot.pose[index].position, shot.pose[index].tip(wood.length));
             let girth = Vec3::splat(wood.radius);
-            Some(Stem { index, low: a.min(b) - girth, high: a.max(b) + girth, radius: wood.radius })
+            Some(Stem { index, low: a.min(b) - girth, high: a.max(b) + girth, radius: wood.radius.min(most) })
         })
         .collect();
     stems.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
