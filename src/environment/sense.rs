@@ -15,6 +15,7 @@
 //! candidate underground, in wood, or in or behind a solid reads no light and no space.
 
 mod reproject;
+pub mod room;
 mod search;
 
 use bevy::math::{Quat, Vec3};
@@ -27,7 +28,7 @@ use super::workers::Workers;
 use crate::species::LightReading;
 use reproject::Reprojection;
 pub use search::{Choice, Search, cap_direction};
-use search::{Reading, choose, fitness};
+use search::{Reading, fitness, rank};
 
 /// One organ's wish to look around.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,7 +42,7 @@ pub struct SenseRequest {
 }
 
 /// What it read.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Sensed {
     /// Light at the probe, 0..1.
     pub light: f32,
@@ -49,6 +50,8 @@ pub struct Sensed {
     pub space: f32,
     /// The best candidate, if there was a search.
     pub choice: Option<Choice>,
+    /// All candidates of the search, the best first.
+    pub ranked: Vec<Choice>,
 }
 
 /// How much fitness the fast way of comparing candidates gives away against a map at each of them.
@@ -90,7 +93,7 @@ pub fn fitness_given_away(
         let (request, search) = searches[i];
         let map = CubeMap::at(tracer, &request.probe);
         let readings = |mode| candidates(tracer, request, search, &Sensing { mode, ..*sensing }, &map);
-        let fast = choose(search, &readings(SensingMode::Reprojected), map.size());
+        let fast = rank(search, &readings(SensingMode::Reprojected), map.size())[0];
         let slow = fitness(search, &readings(SensingMode::MapPerCandidate), map.size());
         let best = slow.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         let worst = slow.iter().copied().fold(f32::INFINITY, f32::min);
@@ -109,11 +112,11 @@ pub fn fitness_given_away(
 fn sense_one(tracer: &Tracer, request: &SenseRequest, sensing: &Sensing) -> Sensed {
     let map = CubeMap::at(tracer, &request.probe);
     let Reading { light, space } = read(tracer, &map, request, sensing);
-    let choice = request.search.as_ref().map(|search| {
+    let ranked = request.search.as_ref().map_or_else(Vec::new, |search| {
         let readings = candidates(tracer, request, search, sensing, &map);
-        choose(search, &readings, map.size())
+        rank(search, &readings, map.size())
     });
-    Sensed { light, space, choice }
+    Sensed { light, space, choice: ranked.first().copied(), ranked }
 }
 
 fn read(tracer: &Tracer, map: &CubeMap, request: &SenseRequest, sensing: &Sensing) -> Reading {

@@ -10,6 +10,7 @@ use super::Mechanisms;
 use super::generation::ensure_workers;
 use crate::environment::plugin::standing_scene;
 use crate::environment::probe::{Probe, Sensing};
+use crate::environment::sense::room::{self, Wish};
 use crate::environment::sense::{Search, SenseRequest, Sensed, sense};
 use crate::environment::trace::Tracer;
 use crate::environment::workers::Workers;
@@ -31,6 +32,8 @@ pub struct SensingJob {
     pub found: Vec<Sensed>,
     /// How they look.
     pub settings: Sensing,
+    /// Whether buds keep out of each other's way: if space counts.
+    pub keep_apart: bool,
 }
 
 /// Gathers scene and probes.
@@ -72,7 +75,14 @@ pub fn gather_probes(world: &mut World) {
             }
         }
     }
-    world.insert_resource(SensingJob { scene, requests, lookers, found: Vec::new(), settings });
+    world.insert_resource(SensingJob {
+        scene,
+        requests,
+        lookers,
+        found: Vec::new(),
+        settings,
+        keep_apart: mechanisms.space,
+    });
 }
 
 /// The first living leaf on each stem segment, `u32::MAX` where there is none.
@@ -138,6 +148,7 @@ fn search(species: &Species, shot: &Snapshot, i: usize, mechanisms: Mechanisms) 
         rotation: shot.pose[i].rotation,
         cone: species.bending_angle_deg.to_radians(),
         reach: reach.max(species.node_spacing_m),
+        radius: species.twig_radius_m,
         candidates: species.candidates,
         weight_light: species.weight_light,
         weight_space: species.weight_space,
@@ -158,7 +169,30 @@ pub fn render_cube_maps(world: &mut World) {
         let job = &mut *job;
         let tracer = Tracer::build(&job.scene);
         job.found = sense(&tracer, &job.requests, &job.settings, workers);
+        if job.keep_apart {
+            keep_apart(job);
+        }
     });
+}
+
+/// Lets buds that would grow into each other, or into wood, take their next best candidate.
+fn keep_apart(job: &mut SensingJob) {
+    let searching: Vec<usize> =
+        (0..job.requests.len()).filter(|&i| job.requests[i].search.is_some()).collect();
+    let wishes: Vec<Wish> = searching
+        .iter()
+        .map(|&i| Wish {
+            from: job.requests[i].probe.position,
+            reach: job.requests[i].search.map_or(0.0, |search| search.reach),
+            radius: job.requests[i].search.map_or(0.0, |search| search.radius),
+            ranked: &job.found[i].ranked,
+        })
+        .collect();
+    let taken = room::settle(&job.scene.capsules, &wishes);
+    for (i, rank) in searching.into_iter().zip(taken) {
+        let found = &mut job.found[i];
+        found.choice = found.ranked.get(rank).copied();
+    }
 }
 
 /// Writes light, space and growth targets back to the organs that looked.

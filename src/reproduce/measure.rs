@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use crate::environment::obstacles::touches;
+use crate::environment::sense::room::segment_gap;
 use crate::environment::{SolidShape, StandingSolid};
 use crate::plant::{OrganKind, OrganState, Snapshot};
 
@@ -74,24 +75,12 @@ pub fn collisions(shot: &Snapshot) -> usize {
         for b in stems[k + 1..].iter().take_while(|b| b.low.x <= a.high.x) {
             let meet_at_node = a.parent == b.parent || a.parent == b.index || b.parent == a.index;
             let apart = a.low.cmpgt(b.high).any() || b.low.cmpgt(a.high).any();
-            if !meet_at_node && !apart && gap((a.from, a.to), (b.from, b.to)) < a.radius + b.radius {
+            if !meet_at_node && !apart && segment_gap((a.from, a.to), (b.from, b.to)) < a.radius + b.radius {
                 pairs += 1;
             }
         }
     }
     pairs
-}
-
-/// Least distance between two straight segments, metres.
-pub fn gap((a, a_end): (Vec3, Vec3), (b, b_end): (Vec3, Vec3)) -> f32 {
-    let (along_a, along_b, between) = (a_end - a, b_end - b, a - b);
-    let (aa, bb, ab) = (along_a.length_squared(), along_b.length_squared(), along_a.dot(along_b));
-    let (a_between, b_between) = (along_a.dot(between), along_b.dot(between));
-    let share = |over: f32, under: f32| if under > 0.0 { (over / under).clamp(0.0, 1.0) } else { 0.0 };
-    let at_a = share(ab * b_between - bb * a_between, aa * bb - ab * ab);
-    let at_b = share(ab * at_a + b_between, bb);
-    let at_a = share(ab * at_b - a_between, aa);
-    (a + along_a * at_a).distance(b + along_b * at_b)
 }
 
 /// Mean distance of the leaves from the nearest of the solids, metres; 0 without leaves or solids.
@@ -146,10 +135,10 @@ mod tests {
     #[test]
     fn gaps_between_segments() {
         let x = (Vec3::ZERO, Vec3::X);
-        assert_eq!(gap(x, (Vec3::Y, Vec3::Y + Vec3::X)), 1.0);
-        assert_eq!(gap(x, (Vec3::new(0.5, 2.0, -1.0), Vec3::new(0.5, 2.0, 1.0))), 2.0);
-        assert_eq!(gap(x, (Vec3::new(3.0, 0.0, 0.0), Vec3::new(4.0, 0.0, 0.0))), 2.0);
-        assert_eq!(gap(x, (Vec3::new(0.5, -1.0, 0.0), Vec3::new(0.5, 1.0, 0.0))), 0.0);
+        assert_eq!(segment_gap(x, (Vec3::Y, Vec3::Y + Vec3::X)), 1.0);
+        assert_eq!(segment_gap(x, (Vec3::new(0.5, 2.0, -1.0), Vec3::new(0.5, 2.0, 1.0))), 2.0);
+        assert_eq!(segment_gap(x, (Vec3::new(3.0, 0.0, 0.0), Vec3::new(4.0, 0.0, 0.0))), 2.0);
+        assert_eq!(segment_gap(x, (Vec3::new(0.5, -1.0, 0.0), Vec3::new(0.5, 1.0, 0.0))), 0.0);
     }
 
     #[test]

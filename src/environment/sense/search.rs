@@ -13,6 +13,8 @@ pub struct Search {
     pub cone: f32,
     /// Distance it would grow, metres.
     pub reach: f32,
+    /// Radius of the shoot, metres.
+    pub radius: f32,
     /// Candidates, the heading among them; at least 1 is taken.
     pub candidates: u32,
     /// Weight of light.
@@ -39,6 +41,7 @@ impl Default for Search {
             rotation: Quat::IDENTITY,
             cone: 0.7,
             reach: 0.2,
+            radius: 0.006,
             candidates: 17,
             weight_light: 1.0,
             weight_space: 1.0,
@@ -122,17 +125,22 @@ pub(super) fn fitness(search: &Search, readings: &[Reading], face: usize) -> Vec
         .collect()
 }
 
-/// The best candidate; of equal ones the lowest.
-pub(super) fn choose(search: &Search, readings: &[Reading], face: usize) -> Choice {
-    let mut best = (0, f32::NEG_INFINITY);
-    for (i, fitness) in fitness(search, readings, face).into_iter().enumerate() {
-        if fitness > best.1 {
-            best = (i, fitness);
-        }
-    }
-    let (i, fitness) = best;
-    let Reading { light, space } = readings.get(i).copied().unwrap_or(Reading { light: 0.0, space: 0.0 });
-    Choice { heading: search.direction(i as u32), fitness, light, space, index: i as u32 }
+/// All candidates, the best first; of equal ones the lowest.
+pub(super) fn rank(search: &Search, readings: &[Reading], face: usize) -> Vec<Choice> {
+    let mut ranked: Vec<Choice> = fitness(search, readings, face)
+        .into_iter()
+        .zip(readings)
+        .enumerate()
+        .map(|(i, (fitness, &Reading { light, space }))| Choice {
+            heading: search.direction(i as u32),
+            fitness,
+            light,
+            space,
+            index: i as u32,
+        })
+        .collect();
+    ranked.sort_by(|a, b| b.fitness.total_cmp(&a.fitness).then(a.index.cmp(&b.index)));
+    ranked
 }
 
 /// Readings in whole texels from the heading's, so that less than one texel is no difference; stretched to
@@ -195,7 +203,7 @@ mod tests {
                     // Noise of less than a texel.
                     reading.light += 0.9 / (6.0 * 64.0) * (i % 3) as f32 / 2.0;
                 }
-                assert_eq!(choose(&search, &readings, 8).index, 0);
+                assert_eq!(rank(&search, &readings, 8)[0].index, 0);
             }
         }
     }
@@ -228,7 +236,7 @@ mod tests {
         let mut readings = even(17);
         readings[5].light = 1.0;
         readings[9].space = 1.0;
-        let with = |light_on, space_on| choose(&Search { light_on, space_on, ..search }, &readings, 8).index;
+        let with = |light_on, space_on| rank(&Search { light_on, space_on, ..search }, &readings, 8)[0].index;
         assert_eq!(with(true, false), 5);
         assert_eq!(with(false, true), 9);
         assert_eq!(with(false, false), 0);
