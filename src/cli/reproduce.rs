@@ -45,7 +45,7 @@ impl Reproduce {
     pub fn run(self) -> Result<(), Failure> {
         let workers = Workers::new(self.threads as usize)?;
         let mut folder = self.output.folder(self.figure.name(), &["figure.png", "claims.json"])?;
-        let size = PictureSettings { width: 300, height: 400, samples: 4 };
+        let size = PictureSettings { width: 260, height: 346, samples: 4 };
         let library = library(&self.assets)?;
         let done = reproduce(self.figure, self.seeds.range(), &library, size, &workers)?;
         folder.create()?;
