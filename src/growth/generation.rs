@@ -115,11 +115,9 @@ fn first_shoot_cost(species: &crate::species::Species) -> f32 {
 /// Derives the pose of every organ from the turns of those below it.
 pub fn derive_poses(
     roster: Res<Roster>,
-    plants: Query<&Plant>,
     transforms: Query<(Option<&Transform>, Option<&ChildOf>)>,
     mut organs: Query<(&Attachment, Option<&Internode>, &mut Pose)>,
 ) {
-    let _ = &plants;
     let roots: Vec<Pose> = roster
         .plants
         .iter()
