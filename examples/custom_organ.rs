@@ -14,6 +14,9 @@ struct Flower {
     opened: u32,
 }
 
+/// Light a bud flowers in; half a sphere of sky, as on open ground, is 0.5.
+const LIGHT: f32 = 0.4;
+
 /// What a flower costs; 1 is what a full-grown leaf of `lam_king` earns in a step of full light.
 const COST: f64 = 0.5;
 
@@ -28,7 +31,7 @@ fn flower(
     for &entity in &roster.entity {
         let Ok((identity, bud, exposure)) = buds.get(entity) else { continue };
         let Ok((mut store, mut ledger)) = books.get_mut(identity.plant) else { continue };
-        let ready = bud.state == LateralBudState::Dormant && exposure.sensed && exposure.light > 0.8;
+        let ready = bud.state == LateralBudState::Dormant && exposure.sensed && exposure.light > LIGHT;
         if ready && store.stored >= COST {
             // What the store gives, the ledger books: income and spending still agree.
             store.stored -= COST;
