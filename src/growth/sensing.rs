@@ -167,6 +167,9 @@ pub fn render_cube_maps(world: &mut World) {
     world.resource_scope(|world, mut job: Mut<SensingJob>| {
         let workers = world.resource::<Workers>();
         let job = &mut *job;
+        if job.requests.is_empty() {
+            return;
+        }
         let tracer = Tracer::build(&job.scene);
         job.found = sense(&tracer, &job.requests, &job.settings, workers);
         if job.keep_apart {
