@@ -13,7 +13,7 @@ mod set;
 mod source;
 mod species;
 
-pub use read::{inside, read_text, write_whole};
+pub use read::{inside, read_text, replace_file, write_whole};
 pub use run::{RunFile, StepHashes};
 pub use save::{SaveError, read_save, write_save};
 pub use scenario::{FARTHEST_M, LARGEST_M, ResolvedScenario, ScenarioError};

@@ -1,6 +1,7 @@
 //! What a plant is: organs as entities, who grew from whom, the energy they share, and the
 //! [`Snapshot`] everything else reads.
 
+mod check;
 mod energy;
 mod identity;
 pub mod measure;
@@ -10,6 +11,7 @@ mod roster;
 mod shed;
 mod snapshot;
 
+pub use check::SnapshotError;
 pub use energy::{EnergyLedger, EnergyStore};
 pub use identity::{Bears, Cause, Fallen, GrowsFrom, GrowthSpan, Identity, Lineage, OrganShed, Tombstone};
 pub use organ::{

@@ -1,8 +1,10 @@
 //! What stands where: plants, walls, lamps, sky, ground, and the edits of a run.
 
 mod edit;
+mod fixtures;
 mod garden;
 mod place;
+mod saved;
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -13,8 +15,10 @@ use crate::growth::Mechanisms;
 use crate::species::parameter::Color;
 
 pub use edit::{Edit, EditError, EditOutcome, TimedEdit, apply, crush};
-pub use garden::{Garden, GardenError, GardenSave};
+pub use fixtures::{Fixture, FixtureError, Fixtures};
+pub use garden::{Garden, GardenError, GardenSave, GardenSaveError};
 pub use place::{RunSeed, SpeciesBook};
+pub use saved::{History, SavedRun};
 
 /// A plant in its place.
 #[derive(Debug, Clone, PartialEq, Reflect, Serialize, Deserialize)]

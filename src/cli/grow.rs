@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 use burgeon::export::gltf::save_glb;
 use burgeon::export::picture::Palette;
 use burgeon::export::tables::{save_organs, save_steps};
-use burgeon::files::{RunFile, StepHashes, read_save, write_save};
-use burgeon::scenario::{Garden, GardenError, GardenSave};
+use burgeon::files::{RunFile, SaveError, StepHashes};
+use burgeon::scenario::{Garden, GardenError, SavedRun};
 use clap::Args;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::film::{Reel, save_picture};
 use super::input::Input;
@@ -45,15 +45,6 @@ pub struct Grow {
     /// Grow one tree for each seed, such as 1..100, into one table seeds.csv with mean and spread.
     #[arg(long, value_name = "FIRST..LAST", conflicts_with_all = ["seed", "timelapse", "save"])]
     seeds: Option<SeedRange>,
-}
-
-/// A garden in the middle of a run: what `--save` writes.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct SavedRun {
-    /// How it began and what it was at each step.
-    pub run: RunFile,
-    /// What it is.
-    pub garden: GardenSave,
 }
 
 #[derive(Serialize)]
@@ -165,8 +156,7 @@ impl Grow {
             reel.save((growing.garden.steps(), scene), &palette, &workers, &folder.file("growth.gif"))?;
         }
         if let Some(path) = &self.save {
-            let save = SavedRun { run: growing.run.clone(), garden: growing.garden.save() };
-            write_save(path, &save)?;
+            SavedRun::new(growing.run.clone(), growing.garden.save()).write(path)?;
         }
 
         let difference = again.as_ref().map(|hashes| hashes.first_difference(&growing.run.hashes));
@@ -183,8 +173,9 @@ impl Grow {
         let workers = self.input.workers()?;
         let new = |garden, run| Growing { garden, run, stopped: None, seconds: 0.0 };
         if let Some(path) = &self.resume {
-            let SavedRun { run, garden } = read_save(path)?;
-            let garden = Garden::resume(garden, workers);
+            let SavedRun { run, garden, .. } = SavedRun::read(path)?;
+            let garden = Garden::resume(garden, workers)
+                .map_err(|source| SaveError::Unsound { file: path.display().to_string(), source })?;
             let steps = self.input.steps.unwrap_or(run.scenario.steps);
             if steps < garden.steps() {
                 return Err(Failure::Usage(format!(

@@ -2,13 +2,13 @@
 
 mod quantize;
 
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use image::RgbImage;
 
+use crate::files::write_whole;
 use quantize::Quantizer;
 
 /// Why a film or picture could not be written.
@@ -152,18 +152,8 @@ pub fn save_png(path: &Path, image: &RgbImage) -> Result<(), FilmError> {
     replace_file(path, bytes.get_ref())
 }
 
-/// Writes beside the file, then puts it in place.
 fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), FilmError> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    let part = path.with_file_name(name);
-    let write = || {
-        let mut file = fs::File::create(&part)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        fs::rename(&part, path)
-    };
-    write().map_err(|source| FilmError::Io { path: path.into(), source })
+    write_whole(path, &[bytes]).map_err(|source| FilmError::Io { path: path.into(), source })
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ use serde::de::DeserializeOwned;
 
 use super::read::write_whole;
 use crate::limits;
+use crate::scenario::GardenSaveError;
 
 const MAGIC: [u8; 8] = *b"BURGEON\x1a";
 const VERSION: u32 = 1;
@@ -88,6 +89,14 @@ pub enum SaveError {
         file: String,
         /// What does not fit.
         reason: String,
+    },
+    /// It is whole, but no garden can be in such a state.
+    #[error("{file}: not a garden that can grow on: {source}")]
+    Unsound {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        source: GardenSaveError,
     },
 }
 

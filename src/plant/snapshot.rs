@@ -232,7 +232,8 @@ pub(crate) fn plant_transform(world: &World, entity: Entity) -> Transform {
     transform
 }
 
-/// Puts the organs of a snapshot back into a world that holds none.
+/// Puts the organs of a snapshot back into a world that holds none. One from outside must pass
+/// [`Snapshot::check`] first: its columns are taken to belong together.
 pub fn restore(world: &mut World, shot: &Snapshot) {
     world.insert_resource(StepCount(shot.step));
     let mut roster = Roster { next_birth: shot.next_birth, ..Default::default() };

@@ -7,16 +7,17 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::place::{self, RunSeed, SpeciesBook};
-use super::{Edit, EditError, Scenario, apply};
+use super::{Edit, EditError, FixtureError, Fixtures, Scenario, apply};
 use crate::BurgeonPlugins;
 use crate::environment::workers::Workers;
-use crate::environment::{Ground, Lamp, Scene, Sky, Solid, Sun, whole_scene};
-use crate::files::ResolvedScenario;
-use crate::growth::{Mechanisms, StepCount, finish::StageTimes, grow};
+use crate::environment::{Ground, Scene, whole_scene};
+use crate::files::{ResolvedScenario, ScenarioError};
+use crate::growth::{StepCount, finish::StageTimes, grow};
 use crate::limits;
 use crate::plant::measure::{StageSeconds, StepRecord};
-use crate::plant::{Fallen, Roster, Snapshot, plants, restore};
+use crate::plant::{Fallen, Roster, Snapshot, SnapshotError, plants, restore};
 use crate::species::Species;
+use crate::species::parameter::ParameterError;
 
 /// A scenario with its species, growing.
 pub struct Garden {
@@ -61,13 +62,71 @@ pub struct GardenSave {
     edits_made: usize,
     species: BTreeMap<String, Arc<Species>>,
     snapshot: Snapshot,
-    solids: Vec<Standing<Solid>>,
-    lamps: Vec<Standing<Lamp>>,
-    sun: Option<(Quat, f32)>,
-    sky: Sky,
-    mechanisms: Mechanisms,
+    fixtures: Fixtures,
     fallen: u64,
     records: Vec<StepRecord>,
+}
+
+/// Why a save cannot be grown on, though its checksum is right.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum GardenSaveError {
+    /// Its scenario is not sound.
+    #[error("its scenario: {0}")]
+    Scenario(#[from] ScenarioError),
+    /// Its plants are not.
+    #[error("its plants: {0}")]
+    Snapshot(#[from] SnapshotError),
+    /// What stands there cannot.
+    #[error("what stands there: {0}")]
+    Fixture(#[from] FixtureError),
+    /// A species has a parameter out of range.
+    #[error("its species {name:?}: {source}")]
+    Species {
+        /// The species.
+        name: String,
+        /// Which parameter.
+        source: ParameterError,
+    },
+    /// It claims to have made more edits than its scenario has by its step.
+    #[error("{made} edits are said to be made; by step {step} there are {due}")]
+    Edits {
+        /// Edits said to be made.
+        made: usize,
+        /// The step.
+        step: u32,
+        /// Edits of the scenario that are due by then.
+        due: usize,
+    },
+    /// Its run and its garden tell of different trees.
+    #[error("its run and its garden differ in {0}")]
+    Differ(&'static str),
+}
+
+impl GardenSave {
+    /// Checks that it is a state a garden can grow on from.
+    ///
+    /// # Errors
+    /// The first thing that is not so.
+    pub fn check(&self) -> Result<(), GardenSaveError> {
+        self.scenario.validate()?;
+        let step = self.snapshot.step;
+        let due = self.scenario.edits.iter().take_while(|e| e.step <= step).count();
+        if self.edits_made > due {
+            return Err(GardenSaveError::Edits { made: self.edits_made, step, due });
+        }
+        for (name, species) in &self.species {
+            species
+                .validate()
+                .map_err(|source| GardenSaveError::Species { name: name.clone(), source })?;
+        }
+        self.fixtures.check()?;
+        Ok(self.snapshot.check()?)
+    }
+
+    /// Steps grown.
+    pub fn steps(&self) -> u32 {
+        self.snapshot.step
+    }
 }
 
 impl Garden {
@@ -173,92 +232,46 @@ impl Garden {
     /// Everything it is.
     pub fn save(&mut self) -> GardenSave {
         let world = &mut self.world;
-        let solids = named_things::<Solid>(world);
-        let lamps = named_things::<Lamp>(world);
-        let mut suns = world.query::<(&Sun, &Transform)>();
-        let sun = suns.iter(world).map(|(sun, transform)| (transform.rotation, sun.strength)).next();
+        let fixtures = Fixtures::take(world);
         GardenSave {
             scenario: self.scenario.clone(),
             seed: self.seed,
             edits_made: self.edits_made,
             species: world.resource::<SpeciesBook>().0.clone(),
             snapshot: Snapshot::take(world),
-            solids,
-            lamps,
-            sun,
-            sky: *world.resource::<Sky>(),
-            mechanisms: *world.resource::<Mechanisms>(),
+            fixtures,
             fallen: world.resource::<Fallen>().total,
             records: self.records.clone(),
         }
     }
 
     /// Grows on from a save.
-    pub fn resume(save: GardenSave, workers: Workers) -> Self {
+    ///
+    /// # Errors
+    /// [`GardenSaveError`] if it is no state a garden can be in.
+    pub fn resume(save: GardenSave, workers: Workers) -> Result<Self, GardenSaveError> {
+        save.check()?;
         let mut world = bare_world(workers);
         world.insert_resource(SpeciesBook(save.species));
         world.insert_resource(RunSeed(save.seed));
-        world.insert_resource(save.sky);
         world.insert_resource(Ground(save.scenario.ground.then_some(0.0)));
-        world.insert_resource(save.mechanisms);
         world.insert_resource(save.scenario.sensing);
         world.insert_resource(Fallen { total: save.fallen, ..Default::default() });
-        for solid in save.solids {
-            world.spawn(solid.stand());
-        }
-        for lamp in save.lamps {
-            world.spawn(lamp.stand());
-        }
-        if let Some((rotation, strength)) = save.sun {
-            world.spawn((Sun { strength }, Transform::from_rotation(rotation)));
-        }
+        save.fixtures.stand(&mut world);
         restore(&mut world, &save.snapshot);
-        Self {
+        Ok(Self {
             world,
             scenario: save.scenario,
             seed: save.seed,
             records: save.records,
             edits_made: save.edits_made,
-        }
+        })
     }
 
     /// Species of its plants, in the order of planting.
     pub fn species(&self) -> Vec<Arc<Species>> {
         plants(&self.world).into_iter().map(|(_, plant)| plant.species.clone()).collect()
     }
-}
-
-/// A solid or lamp with its name and exact place.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Standing<T> {
-    name: String,
-    thing: T,
-    position: Vec3,
-    rotation: Quat,
-    scale: Vec3,
-}
-
-impl<T: Component> Standing<T> {
-    fn stand(self) -> impl Bundle {
-        let transform = Transform { translation: self.position, rotation: self.rotation, scale: self.scale };
-        (Name::new(self.name), self.thing, transform)
-    }
-}
-
-fn named_things<T: Component + Copy>(world: &mut World) -> Vec<Standing<T>> {
-    let mut things = world.query::<(&Name, &T, &Transform)>();
-    let mut standing: Vec<Standing<T>> = things
-        .iter(world)
-        .map(|(name, thing, transform)| Standing {
-            name: name.to_string(),
-            thing: *thing,
-            position: transform.translation,
-            rotation: transform.rotation,
-            scale: transform.scale,
-        })
-        .collect();
-    standing.sort_by(|a, b| a.name.cmp(&b.name));
-    standing
 }
 
 /// A world with Burgeon in it and nothing else.
