@@ -61,7 +61,8 @@ fn corrupt(shot: &mut Snapshot, column: usize, at: usize, how: usize) {
         11 => shot.flow[i].income = x,
         12 => shot.state[i] = shot.state[how % shot.len()],
         13 => match &mut shot.state[i] {
-            OrganState::Internode(wood, _) => wood.length = x,
+            OrganState::Internode(wood, _) if how % 2 == 0 => wood.length = x,
+            OrganState::Internode(wood, _) => wood.radius = x,
             OrganState::ApicalBud(bud, ..) => bud.height_in_branch = x,
             OrganState::LateralBud(bud, _) => bud.rank = x,
             OrganState::Leaf(leaf) => leaf.size = x,
@@ -95,7 +96,7 @@ fn corrupt(shot: &mut Snapshot, column: usize, at: usize, how: usize) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(ProptestConfig::with_cases(400))]
 
     #[test]
     fn a_snapshot_with_one_wrong_column_is_told_or_grows(

@@ -9,6 +9,10 @@ use crate::species::parameter::ParameterError;
 
 /// Most a counter may hold: growth adds to them, and they must not run over.
 const COUNT: u32 = 1 << 30;
+/// Longest an internode may be, metres: a little over the most a species may ask for.
+const LONGEST: f32 = 10.1;
+/// Thickest a stem may be, metres; the finding of room walks every cell a stem passes.
+const THICKEST: f32 = 8.0;
 
 /// Why a snapshot cannot be restored.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -175,8 +179,8 @@ impl Snapshot {
             real("flow.upkeep", flow.upkeep)?;
             match &self.state[organ] {
                 OrganState::Internode(wood, node) => {
-                    size("length", wood.length)?;
-                    size("radius", wood.radius)?;
+                    ok((0.0..=LONGEST).contains(&wood.length), "length", wood.length)?;
+                    ok((0.0..=THICKEST).contains(&wood.radius), "radius", wood.radius)?;
                     size("height_since_node", wood.height_since_node)?;
                     size("height_in_branch", wood.height_in_branch)?;
                     size("pipe", wood.pipe)?;
