@@ -24,3 +24,7 @@ pub const NESTING: usize = 64;
 pub const SAVE_BYTES: u64 = 4 << 30;
 /// Threads.
 pub const THREADS: usize = 256;
+/// Bytes of snapshots a [`Timeline`](crate::scenario::Timeline) keeps unless it is told otherwise.
+pub const HISTORY_BYTES: usize = 1 << 30;
+/// Characters of a share code.
+pub const CODE_CHARACTERS: usize = 1 << 20;

@@ -4,6 +4,7 @@ mod edit;
 mod fixtures;
 mod garden;
 mod place;
+mod preview;
 mod saved;
 
 use bevy::prelude::*;
@@ -18,6 +19,7 @@ pub use edit::{Edit, EditError, EditOutcome, TimedEdit, apply, crush};
 pub use fixtures::{Fixture, FixtureError, Fixtures};
 pub use garden::{Garden, GardenError, GardenSave, GardenSaveError};
 pub use place::{RunSeed, SpeciesBook};
+pub use preview::{borne_by, crushed_by};
 pub use saved::{History, SavedRun};
 
 /// A plant in its place.

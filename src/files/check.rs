@@ -10,7 +10,7 @@ use super::source::split_path;
 use super::species::{NAME, TEXT, is_name, is_text};
 use crate::environment::SolidShape;
 use crate::limits;
-use crate::scenario::{Edit, PlacedLamp, PlacedSolid, PlacedSun, Planting, Scenario};
+use crate::scenario::{Edit, PlacedLamp, PlacedSolid, PlacedSun, Planting, Scenario, TimedEdit};
 use crate::species::Species;
 use crate::species::parameter::{Color, ParameterError, ParameterType};
 
@@ -31,8 +31,7 @@ impl Scenario {
         top.count("solids", self.solids.len(), limits::SOLIDS)?;
         top.count("lamps", self.lamps.len(), limits::LAMPS)?;
         top.count("edits", self.edits.len(), limits::EDITS)?;
-        let mut inventory =
-            Inventory { named: BTreeMap::new(), plants: Vec::new(), species: BTreeSet::new() };
+        let mut inventory = Inventory::default();
         for (i, plant) in self.plants.iter().enumerate() {
             Checker::at(format!("plants[{i}]")).plant(plant)?;
             inventory.plants.push(true);
@@ -41,12 +40,12 @@ impl Scenario {
         for (i, solid) in self.solids.iter().enumerate() {
             let check = Checker::at(format!("solids[{i}]"));
             check.solid(solid)?;
-            inventory.place(&check, &solid.name, false)?;
+            inventory.place(&check, "name", &solid.name, false)?;
         }
         for (i, lamp) in self.lamps.iter().enumerate() {
             let check = Checker::at(format!("lamps[{i}]"));
             check.lamp(lamp)?;
-            inventory.place(&check, &lamp.name, true)?;
+            inventory.place(&check, "name", &lamp.name, true)?;
         }
         Checker::at("sky").number("strength", &self.sky.strength)?;
         if let Some(sun) = &self.sun {
@@ -57,11 +56,24 @@ impl Scenario {
         let mut order: Vec<usize> = (0..self.edits.len()).collect();
         order.sort_by_key(|i| self.edits[*i].step);
         for i in order {
-            Checker::at(format!("edits[{i}]")).number("step", &self.edits[i].step)?;
-            inventory.edit(i, &self.edits[i].edit)?;
+            inventory.timed(i, &self.edits[i])?;
         }
-        top.count("lamps", inventory.named.values().filter(|lamp| **lamp).count(), limits::LAMPS)?;
-        top.count("solids", inventory.named.values().filter(|lamp| !**lamp).count(), limits::SOLIDS)
+        top.count("lamps", inventory.lamps(), limits::LAMPS)?;
+        top.count("solids", inventory.named.len() - inventory.lamps(), limits::SOLIDS)
+    }
+
+    /// Leaves out every edit that names what does not stand there at its step, as edits do whose ground an earlier
+    /// one took away. Of a scenario whose rest is sound, what is left is sound.
+    pub(crate) fn leave_out_unsound_edits(&mut self) {
+        let mut inventory = Inventory::default();
+        for plant in &self.plants {
+            inventory.plants.push(true);
+            inventory.species.insert(plant.species.clone());
+        }
+        inventory.named.extend(self.solids.iter().map(|solid| (solid.name.clone(), false)));
+        inventory.named.extend(self.lamps.iter().map(|lamp| (lamp.name.clone(), true)));
+        self.order_edits();
+        self.edits.retain(|edit| inventory.timed(0, edit).is_ok());
     }
 }
 
@@ -156,6 +168,7 @@ impl Checker {
 }
 
 /// What stands there at a step, as far as edits can know before anything grows.
+#[derive(Default)]
 struct Inventory {
     /// By name, whether it is a lamp.
     named: BTreeMap<String, bool>,
@@ -165,27 +178,55 @@ struct Inventory {
 }
 
 impl Inventory {
+    fn lamps(&self) -> usize {
+        self.named.values().filter(|lamp| **lamp).count()
+    }
+
+    fn timed(&mut self, index: usize, timed: &TimedEdit) -> Result<(), ScenarioError> {
+        Checker::at(format!("edits[{index}]")).number("step", &timed.step)?;
+        self.edit(index, &timed.edit)
+    }
+
     fn edit(&mut self, index: usize, edit: &Edit) -> Result<(), ScenarioError> {
         let check = |kind| Checker::within(index, kind);
         match edit {
             Edit::Plant(plant) => {
                 check("Plant").plant(plant)?;
+                Checker::at("").count("plants", self.plants.len() + 1, limits::PLANTS)?;
                 self.plants.push(true);
                 self.species.insert(plant.species.clone());
-                Checker::at("").count("plants", self.plants.len(), limits::PLANTS)
+                Ok(())
             }
             Edit::PlaceSolid(solid) => {
                 check("PlaceSolid").solid(solid)?;
-                self.place(&check("PlaceSolid"), &solid.name, false)
+                self.place(&check("PlaceSolid"), "name", &solid.name, false)
             }
             Edit::PlaceLamp(lamp) => {
                 check("PlaceLamp").lamp(lamp)?;
-                self.place(&check("PlaceLamp"), &lamp.name, true)
+                self.place(&check("PlaceLamp"), "name", &lamp.name, true)
             }
             Edit::Move { name, to, turn_deg } => {
                 self.known(&check(""), name, false)?;
                 check("").vector("to", *to)?;
                 check("").number("turn_deg", turn_deg)
+            }
+            Edit::Pose { name, to, rotation_deg, scale } => {
+                self.known(&check(""), name, false)?;
+                check("").vector("to", *to)?;
+                check("").vector("rotation_deg", *rotation_deg)?;
+                check("").vector("scale", *scale)
+            }
+            Edit::Duplicate { name, copy, to } => {
+                self.known(&check(""), name, false)?;
+                check("").vector("to", *to)?;
+                check("").name("copy", copy)?;
+                let lamp = self.named.get(name).copied().unwrap_or_default();
+                self.place(&check(""), "copy", copy, lamp)
+            }
+            Edit::Shine { name, strength, radius } => {
+                self.known(&check(""), name, true)?;
+                check("").number("strength", strength)?;
+                check("").number("radius", radius)
             }
             Edit::Switch { name, .. } => self.known(&check(""), name, true),
             Edit::Remove { name } => {
@@ -209,11 +250,13 @@ impl Inventory {
         }
     }
 
-    fn place(&mut self, check: &Checker, name: &str, lamp: bool) -> Result<(), ScenarioError> {
-        match self.named.insert(name.into(), lamp) {
-            None => Ok(()),
-            Some(_) => check.fail("name", format!("{name:?}"), "a name nothing else has"),
+    /// Changes nothing if the name is taken.
+    fn place(&mut self, check: &Checker, field: &str, name: &str, lamp: bool) -> Result<(), ScenarioError> {
+        if self.named.contains_key(name) {
+            return check.fail(field, format!("{name:?}"), "a name nothing else has");
         }
+        self.named.insert(name.into(), lamp);
+        Ok(())
     }
 
     fn known(&self, check: &Checker, name: &str, lamp: bool) -> Result<(), ScenarioError> {

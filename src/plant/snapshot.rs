@@ -131,6 +131,24 @@ impl Snapshot {
         self.birth.is_empty()
     }
 
+    /// Memory it takes, bytes, species not counted.
+    pub fn bytes(&self) -> usize {
+        let organ = 5 * size_of::<u32>()
+            + size_of::<Lineage>()
+            + size_of::<GrowthSpan>()
+            + size_of::<Quat>()
+            + size_of::<Pose>()
+            + size_of::<Exposure>()
+            + size_of::<EnergyFlow>()
+            + size_of::<OrganState>();
+        size_of::<Self>() + self.plants.len() * size_of::<Option<PlantRecord>>() + self.len() * organ
+    }
+
+    /// Index of the organ with a birth number.
+    pub fn index_of(&self, birth: u32) -> Option<usize> {
+        self.birth.binary_search(&birth).ok()
+    }
+
     /// Takes a snapshot of a world.
     pub fn take(world: &World) -> Self {
         let Some(roster) = world.get_resource::<Roster>() else { return Self::default() };

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::place::{self, RunSeed, SpeciesBook};
-use super::{Edit, EditError, FixtureError, Fixtures, Scenario, apply};
+use super::{Edit, EditError, EditOutcome, FixtureError, Fixtures, Scenario, TimedEdit, apply};
 use crate::BurgeonPlugins;
 use crate::environment::workers::Workers;
 use crate::environment::{Ground, Scene, whole_scene};
@@ -57,14 +57,14 @@ pub enum GardenError {
 /// Everything a garden is, to be saved and grown on bit for bit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GardenSave {
-    scenario: Scenario,
-    seed: u64,
-    edits_made: usize,
-    species: BTreeMap<String, Arc<Species>>,
-    snapshot: Snapshot,
-    fixtures: Fixtures,
-    fallen: u64,
-    records: Vec<StepRecord>,
+    pub(super) scenario: Scenario,
+    pub(super) seed: u64,
+    pub(super) edits_made: usize,
+    pub(super) species: BTreeMap<String, Arc<Species>>,
+    pub(super) snapshot: Snapshot,
+    pub(super) fixtures: Fixtures,
+    pub(super) fallen: u64,
+    pub(super) records: Vec<StepRecord>,
 }
 
 /// Why a save cannot be grown on, though its checksum is right.
@@ -162,13 +162,16 @@ impl Garden {
     /// # Errors
     /// An edit that cannot be made, or a limit; what has grown is kept.
     pub fn step(&mut self) -> Result<&StepRecord, GardenError> {
-        let step = self.steps();
-        while let Some(timed) = self.scenario.edits.get(self.edits_made).filter(|e| e.step <= step) {
-            let edit = timed.edit.clone();
-            self.edits_made += 1;
-            apply(&mut self.world, &edit).map_err(|source| GardenError::Edit { step, source })?;
+        self.step_and_look()?;
+        Ok(&self.records[self.records.len() - 1])
+    }
+
+    /// As [`Garden::step`]; gives the plants at its end.
+    pub(super) fn step_and_look(&mut self) -> Result<Snapshot, GardenError> {
+        while let Some(made) = self.make_next_edit() {
+            made?;
         }
-        let organs = self.organs();
+        let (step, organs) = (self.steps(), self.organs());
         if organs >= limits::ORGANS {
             return Err(GardenError::Limit { step, what: "organs", reached: organs, limit: limits::ORGANS });
         }
@@ -181,7 +184,26 @@ impl Garden {
         let [generate, update, sense, finish] = self.world.resource::<StageTimes>().seconds;
         let stages = StageSeconds { generate, update, sense, finish };
         self.records.push(StepRecord::of(&snapshot, stages));
-        Ok(&self.records[self.records.len() - 1])
+        Ok(snapshot)
+    }
+
+    /// Makes the next edit that is due, if there is one.
+    pub(super) fn make_next_edit(&mut self) -> Option<Result<EditOutcome, GardenError>> {
+        let step = self.steps();
+        let due = self.scenario.edits.get(self.edits_made).filter(|e| e.step <= step)?;
+        self.edits_made += 1;
+        Some(apply(&mut self.world, &due.edit).map_err(|source| GardenError::Edit { step, source }))
+    }
+
+    /// Edits of the scenario already made.
+    pub(super) fn edits_made(&self) -> usize {
+        self.edits_made
+    }
+
+    /// Replaces the edits; of the new ones, `made` are taken to be made.
+    pub(super) fn set_edits(&mut self, edits: Vec<TimedEdit>, made: usize) {
+        self.scenario.edits = edits;
+        self.edits_made = made;
     }
 
     /// Steps grown.
@@ -251,6 +273,11 @@ impl Garden {
     /// [`GardenSaveError`] if it is no state a garden can be in.
     pub fn resume(save: GardenSave, workers: Workers) -> Result<Self, GardenSaveError> {
         save.check()?;
+        Ok(Self::stand_up(save, workers))
+    }
+
+    /// As [`Garden::resume`], of a save known to be sound.
+    pub(super) fn stand_up(save: GardenSave, workers: Workers) -> Self {
         let mut world = bare_world(workers);
         world.insert_resource(SpeciesBook(save.species));
         world.insert_resource(RunSeed(save.seed));
@@ -259,13 +286,8 @@ impl Garden {
         world.insert_resource(Fallen { total: save.fallen, ..Default::default() });
         save.fixtures.stand(&mut world);
         restore(&mut world, &save.snapshot);
-        Ok(Self {
-            world,
-            scenario: save.scenario,
-            seed: save.seed,
-            records: save.records,
-            edits_made: save.edits_made,
-        })
+        let GardenSave { scenario, seed, records, edits_made, .. } = save;
+        Self { world, scenario, seed, records, edits_made }
     }
 
     /// Species of its plants, in the order of planting.
