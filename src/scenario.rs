@@ -6,6 +6,7 @@ mod garden;
 mod place;
 mod preview;
 mod saved;
+mod timeline;
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -21,6 +22,7 @@ pub use garden::{Garden, GardenError, GardenSave, GardenSaveError};
 pub use place::{RunSeed, SpeciesBook};
 pub use preview::{borne_by, crushed_by};
 pub use saved::{History, SavedRun};
+pub use timeline::{Ghost, Timeline, TimelineError, View, Visit};
 
 /// A plant in its place.
 #[derive(Debug, Clone, PartialEq, Reflect, Serialize, Deserialize)]

@@ -163,7 +163,9 @@ pub(crate) fn words(parameter: &Parameter) -> String {
         "seed" | "lineage" => "a whole number below 2^64".into(),
         "plant" => "a whole number below 2^32".into(),
         "shape" => "Box(size: (x, y, z)) | Ball(radius: r) | Cylinder(radius: r, height: h)".into(),
-        "at" | "to" | "size" | "rotation_deg" | "scale" | "color" => format!("three numbers, each {}", parameter.range),
+        "at" | "to" | "size" | "rotation_deg" | "scale" | "color" => {
+            format!("three numbers, each {}", parameter.range)
+        }
         _ => parameter.allowed(),
     }
 }

@@ -115,9 +115,7 @@ impl GardenSave {
             return Err(GardenSaveError::Edits { made: self.edits_made, step, due });
         }
         for (name, species) in &self.species {
-            species
-                .validate()
-                .map_err(|source| GardenSaveError::Species { name: name.clone(), source })?;
+            species.validate().map_err(|source| GardenSaveError::Species { name: name.clone(), source })?;
         }
         self.fixtures.check()?;
         Ok(self.snapshot.check()?)

@@ -34,13 +34,13 @@ fn fallen(shot: &Snapshot, cut: impl Fn(usize) -> bool) -> Vec<u32> {
 
 /// Whether an organ, with its wood if it is wood, meets one of the solids.
 pub(super) fn is_inside(solids: &[StandingSolid], pose: &Pose, wood: Option<&Internode>) -> bool {
-    let (tip, radius) =
-        wood.map_or((pose.position, 0.0), |wood| (pose.tip(wood.length), wood.radius));
+    let (tip, radius) = wood.map_or((pose.position, 0.0), |wood| (pose.tip(wood.length), wood.radius));
     let reach = 0.5 * tip.distance(pose.position) + radius;
     let middle = 0.5 * (tip + pose.position);
     solids.iter().any(|solid| {
         // Most are far from it: a ball about each tells, with room for rounding.
         let apart = solid.position.distance(middle) - solid.shape.bound() - reach;
-        !(apart > 1e-3 * (10.0 + middle.length())) && touches(solid, pose.position, tip, radius)
+        let far = apart > 1e-3 * (10.0 + middle.length());
+        !far && touches(solid, pose.position, tip, radius)
     })
 }
