@@ -385,7 +385,9 @@ fn what_is_left_grows_the_same_tree() {
     // A save, with all that can be undone.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tree.save");
+    timeline.drop_ghost();
     timeline.undo().unwrap();
+    timeline.drop_ghost();
     timeline.redo().unwrap();
     timeline.save().write(&path).unwrap();
     let mut again = Timeline::resume(SavedRun::read(&path).unwrap(), Library::embedded(), workers()).unwrap();

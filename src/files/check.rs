@@ -58,22 +58,34 @@ impl Scenario {
         for i in order {
             inventory.timed(i, &self.edits[i])?;
         }
-        top.count("lamps", inventory.lamps(), limits::LAMPS)?;
-        top.count("solids", inventory.named.len() - inventory.lamps(), limits::SOLIDS)
+        inventory.count(&top)
     }
 
     /// Leaves out every edit that names what does not stand there at its step, as edits do whose ground an earlier
     /// one took away. Of a scenario whose rest is sound, what is left is sound.
     pub(crate) fn leave_out_unsound_edits(&mut self) {
-        let mut inventory = Inventory::default();
-        for plant in &self.plants {
-            inventory.plants.push(true);
-            inventory.species.insert(plant.species.clone());
-        }
-        inventory.named.extend(self.solids.iter().map(|solid| (solid.name.clone(), false)));
-        inventory.named.extend(self.lamps.iter().map(|lamp| (lamp.name.clone(), true)));
+        let mut inventory = Inventory::of(self);
         self.order_edits();
         self.edits.retain(|edit| inventory.timed(0, edit).is_ok());
+    }
+
+    /// Checks an edit that follows others, given in order; of those, what names what is not there counts for
+    /// nothing. The scenario's own edits are not looked at.
+    pub(crate) fn check_edit<'a>(
+        &self,
+        before: impl Iterator<Item = &'a TimedEdit>,
+        edit: &TimedEdit,
+    ) -> Result<(), ScenarioError> {
+        let mut inventory = Inventory::of(self);
+        let mut count = 0;
+        for earlier in before {
+            count += 1;
+            let _ = inventory.timed(0, earlier);
+        }
+        inventory.timed(count, edit)?;
+        let top = Checker::at("");
+        top.count("edits", count + 1, limits::EDITS)?;
+        inventory.count(&top)
     }
 }
 
@@ -178,8 +190,21 @@ struct Inventory {
 }
 
 impl Inventory {
-    fn lamps(&self) -> usize {
-        self.named.values().filter(|lamp| **lamp).count()
+    /// What stands at the start of a sound scenario.
+    fn of(scenario: &Scenario) -> Self {
+        let named = scenario.solids.iter().map(|solid| (solid.name.clone(), false));
+        Self {
+            named: named.chain(scenario.lamps.iter().map(|lamp| (lamp.name.clone(), true))).collect(),
+            plants: vec![true; scenario.plants.len()],
+            species: scenario.plants.iter().map(|plant| plant.species.clone()).collect(),
+        }
+    }
+
+    /// Checks that there is not too much of anything.
+    fn count(&self, top: &Checker) -> Result<(), ScenarioError> {
+        let lamps = self.named.values().filter(|lamp| **lamp).count();
+        top.count("lamps", lamps, limits::LAMPS)?;
+        top.count("solids", self.named.len() - lamps, limits::SOLIDS)
     }
 
     fn timed(&mut self, index: usize, timed: &TimedEdit) -> Result<(), ScenarioError> {

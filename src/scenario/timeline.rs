@@ -88,9 +88,10 @@ pub struct Timeline {
     /// Stands at the end of the course, its edits made.
     garden: Garden,
     now: Arc<Snapshot>,
-    standing: Arc<Fixtures>,
-    /// Whether an edit at the head has changed more than what stands there.
-    touched: bool,
+    /// Edits at the head that changed more than what stands there.
+    touches: usize,
+    /// What stood there after each of the edits made at the head, and the touches so far.
+    trail: Vec<(Arc<Fixtures>, usize)>,
     /// The step growth is on its way to.
     target: u32,
     budget: usize,
@@ -115,7 +116,7 @@ impl Timeline {
         let mut garden = Garden::new(resolved.clone(), seed, workers.clone())?;
         let plan = resolved.scenario.edits.iter().cloned().enumerate().collect();
         let setting = setting_of(&mut garden);
-        let standing = setting.fixtures.clone();
+        let trail = vec![(setting.fixtures.clone(), 0)];
         let course = Course::begin(seed, plan, garden.snapshot(), setting);
         let now = course.shots.values().next_back().cloned().unwrap_or_default();
         let mut timeline = Self {
@@ -127,8 +128,8 @@ impl Timeline {
             ghost: None,
             garden,
             now,
-            standing,
-            touched: false,
+            touches: 0,
+            trail,
             target: 0,
             budget: limits::HISTORY_BYTES,
             forks: 0,
@@ -160,8 +161,7 @@ impl Timeline {
         let record = self.garden.records().last().copied().unwrap_or_default();
         self.bury();
         let setting = setting_of(&mut self.garden);
-        self.now = shot.clone();
-        self.touched = false;
+        self.arrive(shot.clone(), setting.fixtures.clone());
         self.course.push(shot, setting, record);
         self.target = self.target.max(self.present());
         self.make_due();
@@ -253,12 +253,9 @@ impl Timeline {
             return Err(TimelineError::NotGrown { step, last });
         }
         let before = self.base.scenario.edits.len() + made;
-        let mut scenario = Scenario { edits: Vec::new(), ..self.base.scenario.clone() };
         let earlier = self.course.plan.iter().filter(|(n, e)| e.step <= step && *n < before);
-        scenario.edits.extend(self.course.sound(earlier).cloned());
-        scenario.leave_out_unsound_edits();
-        scenario.edits.push(TimedEdit { step, edit: edit.clone() });
-        scenario.validate().map_err(|mut wrong| {
+        let timed = TimedEdit { step, edit: edit.clone() };
+        self.base.scenario.check_edit(self.course.sound(earlier), &timed).map_err(|mut wrong| {
             // Its number among the edits means nothing to whoever made it.
             if let Some((_, field)) = wrong.field.split_once("].edit.") {
                 wrong.field = field.into();
@@ -323,24 +320,42 @@ impl Timeline {
                     self.haunt(old);
                 }
             }
-            let only_adds = from == head && plan.starts_with(&self.course.plan);
+            let alike = self.course.plan.iter().zip(&plan).take_while(|(old, new)| old == new).count();
             self.course.plan = plan;
-            if only_adds {
-                self.lay_out();
-                self.make_due()
-            } else if from == head && !self.touched {
-                self.course.lapsed.retain(|_, (at, _)| *at < head);
-                if let Some(setting) = self.course.setting(head) {
-                    setting.fixtures.stand(self.garden.world_mut());
-                }
-                let made = self.made_before(head);
-                self.garden.set_edits(self.edits(), made);
+            if from == head && self.step_back_to(alike) {
                 self.make_due()
             } else {
                 self.course.cut_back(from);
                 self.stand_at_head()
             }
         }
+    }
+
+    /// Takes back the edits made at the head but for the first `made` of the plan, if all they changed is what
+    /// stands there.
+    fn step_back_to(&mut self, made: usize) -> bool {
+        let head = self.present();
+        let made = made.min(self.garden.edits_made());
+        let index = made.checked_sub(self.made_before(head));
+        let Some((standing, touches)) = index.and_then(|i| self.trail.get(i)).cloned() else { return false };
+        if touches != self.touches {
+            return false;
+        }
+        if made < self.garden.edits_made() {
+            standing.stand(self.garden.world_mut());
+            self.trail.truncate(self.trail.len() - (self.garden.edits_made() - made));
+            let left: Vec<usize> = self.course.plan[..made].iter().map(|(number, _)| *number).collect();
+            self.course.lapsed.retain(|number, (at, _)| *at < head || left.contains(number));
+        }
+        self.garden.set_edits(self.edits(), made);
+        true
+    }
+
+    /// Stands at a head none of whose edits is made.
+    fn arrive(&mut self, shot: Arc<Snapshot>, standing: Arc<Fixtures>) {
+        self.now = shot;
+        self.touches = 0;
+        self.trail = vec![(standing, 0)];
     }
 
     /// Tells the garden of a plan that differs only in what is yet to be made.
@@ -364,8 +379,9 @@ impl Timeline {
         if let Some(garden) = self.garden_at(head) {
             self.garden = garden;
         }
-        self.now = self.course.shots.get(&head).cloned().unwrap_or_default();
-        self.touched = false;
+        if let Some((shot, setting)) = self.course.start_at(head) {
+            self.arrive(shot.clone(), setting.fixtures.clone());
+        }
         self.course.lapsed.retain(|_, (at, _)| *at < head);
         self.make_due()
     }
@@ -395,14 +411,14 @@ impl Timeline {
         let newest = (self.base.scenario.edits.len() + self.made).checked_sub(1);
         let head = self.present();
         let mut outcome = None;
-        let mut any = false;
+        let before = self.touches;
         while let Some(made) = self.garden.make_next_edit() {
-            any = true;
             let Some((number, timed)) = self.course.plan.get(self.garden.edits_made() - 1) else { break };
             match made {
                 Ok(done) => {
-                    self.touched |= done.shed > 0
+                    let touches = done.shed > 0
                         || matches!(timed.edit, Edit::Plant(_) | Edit::Uproot { .. } | Edit::Set { .. });
+                    self.touches += usize::from(touches);
                     if Some(*number) == newest {
                         outcome = Some(done);
                     }
@@ -411,14 +427,12 @@ impl Timeline {
                     self.course.lapsed.insert(*number, (head, why.to_string()));
                 }
             }
+            self.trail.push((Arc::new(Fixtures::take(self.garden.world_mut())), self.touches));
         }
-        if any && self.touched {
+        if self.touches > before {
             self.bury();
             self.now = Arc::new(self.garden.snapshot());
-        } else if !self.touched {
-            self.now = self.course.shots.get(&head).cloned().unwrap_or_default();
         }
-        self.standing = Arc::new(Fixtures::take(self.garden.world_mut()));
         outcome
     }
 

@@ -95,7 +95,7 @@ impl Timeline {
     /// What stands at a step, the edits of that step made: what growth met on its way to the next.
     pub fn standing(&self, step: u32) -> Option<Arc<Fixtures>> {
         if step == self.present() {
-            return Some(self.standing.clone());
+            return self.trail.last().map(|(standing, _)| standing.clone());
         }
         self.course.setting(step.checked_add(1)?).map(|setting| setting.fixtures.clone())
     }
