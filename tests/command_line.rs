@@ -59,6 +59,23 @@ fn grow_leaves_pictures_a_model_tables_and_the_run() {
 }
 
 #[test]
+fn a_limit_stops_with_a_message_and_keeps_the_result() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for (i, limit) in ["organs=40", "probes=10", "steps=3", "memory=100000"].iter().enumerate() {
+        let (_, err) = ends(at, &format!("grow figure_1c --limit {limit} --out o{i}"), 3);
+        let (what, most) = limit.split_once('=').unwrap();
+        assert!(err.contains(what) && err.contains(most), "{err}");
+        let run = std::fs::read_to_string(at.join(format!("o{i}/run.ron"))).unwrap();
+        let steps = RunFile::from_ron(&run, "run.ron").unwrap().steps;
+        assert!((1..9).contains(&steps), "{limit} stopped at {steps}");
+        assert!(at.join(format!("o{i}/tree.glb")).exists());
+    }
+    ends(at, "grow open --limit leaves=3", 2);
+    assert!(!at.join("out").exists());
+}
+
+#[test]
 fn a_run_grows_again_as_the_same_tree_on_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

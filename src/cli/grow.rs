@@ -136,6 +136,7 @@ impl Grow {
 
     fn grow(&self) -> Result<(), Failure> {
         let (mut growing, steps, again) = self.begin()?;
+        growing.garden.set_limits(self.input.limits());
         let mut names = vec!["tree.png", "tree.glb", "organs.csv", "steps.csv", "run.ron"];
         if self.timelapse {
             names.push("growth.gif");

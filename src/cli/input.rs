@@ -1,11 +1,12 @@
 //! What a command grows: scenario, seed, settings, threads.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use burgeon::assets::{Library, Opened};
 use burgeon::environment::workers::Workers;
 use burgeon::files::{ResolvedScenario, RunFile};
-use burgeon::limits;
+use burgeon::limits::{self, GrowthLimits};
 use clap::Args;
 
 use super::Failure;
@@ -37,9 +38,35 @@ pub struct Input {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     set: Vec<String>,
 
+    /// Stop when this much is reached and keep what has grown: organs=N, probes=N, steps=N or memory=BYTES.
+    #[arg(long = "limit", value_name = "WHAT=N")]
+    limits: Vec<Limit>,
+
     /// A folder whose species/NAME.ron and scenarios/NAME.ron win over those built in.
     #[arg(long, value_name = "DIR")]
     assets: Option<PathBuf>,
+}
+
+/// A limit set on the command line.
+#[derive(Debug, Clone, Copy)]
+struct Limit(fn(&mut GrowthLimits) -> &mut usize, usize);
+
+impl FromStr for Limit {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || "organs=N, probes=N, steps=N or memory=BYTES, N a whole number".to_string();
+        let (what, most) = text.split_once('=').ok_or_else(wrong)?;
+        let most = most.parse().map_err(|_| wrong())?;
+        let field: fn(&mut GrowthLimits) -> &mut usize = match what {
+            "organs" => |limits| &mut limits.organs,
+            "probes" => |limits| &mut limits.probes,
+            "steps" => |limits| &mut limits.steps,
+            "memory" => |limits| &mut limits.memory,
+            _ => return Err(wrong()),
+        };
+        Ok(Self(field, most))
+    }
 }
 
 /// What will be grown.
@@ -77,6 +104,15 @@ impl Input {
             seed: self.seed.unwrap_or(seed),
             again: run.filter(|_| !changed),
         })
+    }
+
+    /// What a garden may take.
+    pub fn limits(&self) -> GrowthLimits {
+        let mut limits = GrowthLimits::default();
+        for Limit(field, most) in &self.limits {
+            *field(&mut limits) = *most;
+        }
+        limits
     }
 
     /// The threads asked for.

@@ -84,7 +84,8 @@ impl ProbeAt {
         let plan = self.input.plan()?;
         let name = plan.resolved.scenario.name.clone();
         let mut folder = self.output.folder(&format!("{name}_probe"), &["probe.png"])?;
-        let garden = Garden::new(plan.resolved.clone(), plan.seed, self.input.workers()?)?;
+        let mut garden = Garden::new(plan.resolved.clone(), plan.seed, self.input.workers()?)?;
+        garden.set_limits(self.input.limits());
         let run = RunFile::new(&plan.resolved, plan.seed, 0, StepHashes::default());
         let mut growing = Growing { garden, run, stopped: None, seconds: 0.0 };
         growing.grow(plan.steps, |_, _| {});

@@ -92,6 +92,7 @@ pub fn run(input: &Input, output: &Output, seeds: SeedRange, json: bool) -> Resu
     let trees = input.workers()?.map(count, |i| {
         let seed = seeds.first + i as u64;
         let mut garden = Garden::new(plan.resolved.clone(), seed, Workers::new(1)?)?;
+        garden.set_limits(input.limits());
         let mut stopped = None;
         while garden.steps() < plan.steps && stopped.is_none() {
             stopped = garden.step().err();
