@@ -174,6 +174,31 @@ fn probe_reads_light_and_space() {
 }
 
 #[test]
+fn probe_measures_what_comparing_candidates_in_one_map_gives_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let given = json(at, "probe open --steps 7 --given-away");
+    assert!(given["searches"].as_u64().unwrap() > 20, "{given}");
+    let of = |key: &str| given[key].as_f64().unwrap();
+    assert!((0.0..of("mean_spread")).contains(&of("mean_fitness_given_away")), "{given}");
+    assert!(is_empty(at));
+    ends(at, "probe open --steps 7 --given-away --at 0,1,0", 2);
+}
+
+#[test]
+fn compare_shows_the_same_seed_side_by_side() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let (out, _) = ends(at, "compare figure_1c figure_1d --steps 2 --seed 3 --timelapse --out o", 0);
+    assert!(out.contains("figure_1c") && out.contains("figure_1d"), "{out}");
+    let png = image::open(at.join("o/compare.png")).unwrap();
+    assert!(png.width() > 2 * png.height() * 4 / 5, "two pictures in a row");
+    assert!(at.join("o/compare.gif").exists());
+    ends(at, "compare figure_1c --out p", 2);
+    ends(at, "compare figure_1c figure_1d --steps 2 --out o", 1);
+}
+
+#[test]
 fn check_and_describe() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

@@ -22,6 +22,13 @@ pub struct Input {
     /// A scenario by name, a scenario file, or the run.ron of an earlier run [default: wall].
     scenario: Option<String>,
 
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// How it is grown, whatever it is.
+#[derive(Args, Debug, Clone, Default)]
+pub struct Common {
     /// Steps to grow; of a resumed run, all of them together [default: the scenario's].
     #[arg(long, value_parser = clap::value_parser!(u32).range(0..=i64::from(limits::STEPS)))]
     pub steps: Option<u32>,
@@ -82,9 +89,15 @@ pub struct Plan {
 }
 
 impl Input {
+    /// A scenario grown like others.
+    pub fn of(scenario: &str, common: &Common) -> Self {
+        Self { scenario: Some(scenario.into()), common: common.clone() }
+    }
+
     /// Reads and checks everything; writes nothing.
     pub fn plan(&self) -> Result<Plan, Failure> {
-        let opened = library(&self.assets)?.open(self.scenario.as_deref().unwrap_or(DEFAULT_SCENARIO))?;
+        let opened =
+            library(&self.common.assets)?.open(self.scenario.as_deref().unwrap_or(DEFAULT_SCENARIO))?;
         let (mut resolved, steps, seed, run) = match opened {
             Opened::Scenario(resolved) => {
                 let steps = resolved.scenario.steps;
@@ -92,20 +105,23 @@ impl Input {
             }
             Opened::Run(run) => (run.resolved(), run.steps, run.seed, Some(run)),
         };
-        for setting in &self.set {
+        for setting in &self.common.set {
             resolved.apply_set(setting)?;
         }
         // `--set scenario.steps` counts as the scenario's own.
         let steps = if run.is_none() { resolved.scenario.steps } else { steps };
-        let changed = !self.set.is_empty() || self.seed.is_some_and(|s| s != seed);
+        let Common { set, steps: steps_set, seed: seed_set, .. } = &self.common;
+        let changed = !set.is_empty() || seed_set.is_some_and(|s| s != seed);
         Ok(Plan {
             resolved,
-            steps: self.steps.unwrap_or(steps),
-            seed: self.seed.unwrap_or(seed),
+            steps: steps_set.unwrap_or(steps),
+            seed: seed_set.unwrap_or(seed),
             again: run.filter(|_| !changed),
         })
     }
+}
 
+impl Common {
     /// What a garden may take.
     pub fn limits(&self) -> GrowthLimits {
         let mut limits = GrowthLimits::default();
