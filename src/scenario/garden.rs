@@ -12,8 +12,8 @@ use crate::BurgeonPlugins;
 use crate::environment::workers::Workers;
 use crate::environment::{Ground, Scene, whole_scene};
 use crate::files::{ResolvedScenario, ScenarioError};
-use crate::growth::{StepCount, finish::StageTimes, grow};
-use crate::limits;
+use crate::growth::{StepCount, finish::StageTimes, grow, sensing::ProbeCount};
+use crate::limits::{self, GrowthLimits};
 use crate::plant::measure::{StageSeconds, StepRecord};
 use crate::plant::{Fallen, Roster, Snapshot, SnapshotError, plants, restore};
 use crate::species::Species;
@@ -169,14 +169,7 @@ impl Garden {
         while let Some(made) = self.make_next_edit() {
             made?;
         }
-        let (step, organs) = (self.steps(), self.organs());
-        if organs >= limits::ORGANS {
-            return Err(GardenError::Limit { step, what: "organs", reached: organs, limit: limits::ORGANS });
-        }
-        if step >= limits::STEPS {
-            let limit = limits::STEPS as usize;
-            return Err(GardenError::Limit { step, what: "steps", reached: step as usize, limit });
-        }
+        self.within_limits(self.steps())?;
         grow(&mut self.world, 1);
         let snapshot = self.snapshot();
         let [generate, update, sense, finish] = self.world.resource::<StageTimes>().seconds;
@@ -202,6 +195,26 @@ impl Garden {
     pub(super) fn set_edits(&mut self, edits: Vec<TimedEdit>, made: usize) {
         self.scenario.edits = edits;
         self.edits_made = made;
+    }
+
+    fn within_limits(&self, step: u32) -> Result<(), GardenError> {
+        let most = *self.world.resource::<GrowthLimits>();
+        let probes = self.world.resource::<ProbeCount>().0;
+        let taken = [
+            ("organs", self.organs(), most.organs),
+            ("probes in one step", probes, most.probes),
+            ("steps", step as usize, most.steps),
+            ("bytes of memory", self.organs() * limits::ORGAN_BYTES, most.memory),
+        ];
+        match taken.into_iter().find(|(_, reached, limit)| reached >= limit) {
+            Some((what, reached, limit)) => Err(GardenError::Limit { step, what, reached, limit }),
+            None => Ok(()),
+        }
+    }
+
+    /// Sets what it may take.
+    pub fn set_limits(&mut self, limits: GrowthLimits) {
+        self.world.insert_resource(limits);
     }
 
     /// Steps grown.

@@ -42,7 +42,7 @@ use super::{
 use crate::assets::Library;
 use crate::environment::workers::Workers;
 use crate::files::{FileError, ResolvedScenario, ScenarioError};
-use crate::limits;
+use crate::limits::{self, GrowthLimits};
 use crate::plant::measure::StepRecord;
 use crate::plant::{Fallen, Lineage, Snapshot, Tombstone};
 use crate::species::Species;
@@ -95,6 +95,7 @@ pub struct Timeline {
     /// The step growth is on its way to.
     target: u32,
     budget: usize,
+    limits: GrowthLimits,
     /// How often the course has changed: a visit begun before is of another.
     forks: u64,
     workers: Workers,
@@ -132,6 +133,7 @@ impl Timeline {
             trail,
             target: 0,
             budget: limits::HISTORY_BYTES,
+            limits: GrowthLimits::default(),
             forks: 0,
             workers,
         };
@@ -144,6 +146,12 @@ impl Timeline {
     pub fn set_budget(&mut self, bytes: usize) {
         self.budget = bytes;
         self.thin();
+    }
+
+    /// Sets what growth may take.
+    pub fn set_limits(&mut self, limits: GrowthLimits) {
+        self.limits = limits;
+        self.garden.set_limits(limits);
     }
 
     /// Grows one step; the edits of the step it comes to are made at once.
@@ -403,7 +411,9 @@ impl Timeline {
             fallen: setting.fallen,
             records: Vec::new(),
         };
-        Some(Garden::stand_up(save, self.workers.clone()))
+        let mut garden = Garden::stand_up(save, self.workers.clone());
+        garden.set_limits(self.limits);
+        Some(garden)
     }
 
     /// Makes all edits due at the head. The outcome is that of the edit made by hand last, if it was among them.
