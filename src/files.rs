@@ -10,6 +10,7 @@ mod run;
 mod save;
 mod scenario;
 mod set;
+mod share;
 mod source;
 mod species;
 
@@ -18,6 +19,7 @@ pub use run::{RunFile, StepHashes};
 pub use save::{SaveError, read_save, write_save};
 pub use scenario::{FARTHEST_M, LARGEST_M, ResolvedScenario, ScenarioError};
 pub use set::parse_value;
+pub use share::{ShareError, SharedTree};
 
 use crate::species::parameter::nearest;
 use source::Source;

@@ -4,9 +4,8 @@ use super::{
     BTreeMap, Edit, Garden, GardenSave, Library, ResolvedScenario, SavedRun, Scenario, Snapshot, TimedEdit,
     Timeline, TimelineError, Workers, setting_of,
 };
-use crate::files::{RunFile, StepHashes};
+use crate::files::{RunFile, ShareError, SharedTree, StepHashes};
 use crate::scenario::History;
-use crate::species::Species;
 use std::sync::Arc;
 
 impl Timeline {
@@ -39,7 +38,7 @@ impl Timeline {
                 Some(i) => (i + 1, scenario.edits[i].step),
                 None => continue,
             };
-            let set = differing(species, &shipped).map(|(parameter, value)| TimedEdit {
+            let set = species.differing(&shipped).map(|(parameter, value)| TimedEdit {
                 step,
                 edit: Edit::Set { species: name.clone(), parameter: parameter.into(), value },
             });
@@ -56,6 +55,42 @@ impl Timeline {
         }
         let resolved = ResolvedScenario { scenario: self.edited(), species: self.base.species.clone() };
         RunFile::new(&resolved, self.seed(), self.present(), hashes)
+    }
+
+    /// A code that grows it again: the scenario it began with, its seed, the edits that stand and the steps grown.
+    ///
+    /// # Errors
+    /// [`ShareError::TooLong`].
+    pub fn code(&self) -> Result<String, ShareError> {
+        let own = self.base.scenario.edits.len();
+        let mut resolved = self.base.clone();
+        let mut edits = Vec::new();
+        // One of the scenario's own edits that lapsed would stop whoever grows it again.
+        let kept = |number: &usize| !self.course.lapsed.contains_key(number);
+        let by_number = |range: core::ops::Range<usize>| range.filter(kept);
+        resolved.scenario.edits = by_number(0..own).map(|n| self.base.scenario.edits[n].clone()).collect();
+        edits.extend(by_number(own..own + self.made).map(|n| self.acts[n - own].clone()));
+        let named = self.edited();
+        let named: Vec<&str> = named.species_named().into_iter().map(|(name, _)| name).collect();
+        resolved.species.retain(|name, _| named.contains(&name.as_str()));
+        SharedTree { resolved, edits, seed: self.seed(), steps: self.present() }.code()
+    }
+
+    /// Begins the tree of a share code; it is on its way to the steps the code tells.
+    ///
+    /// # Errors
+    /// What cannot be placed.
+    pub fn from_shared(
+        shared: SharedTree,
+        library: Library,
+        workers: Workers,
+    ) -> Result<Self, TimelineError> {
+        let mut timeline = Self::new(shared.resolved, shared.seed, library, workers)?;
+        timeline.made = shared.edits.len();
+        timeline.acts = shared.edits;
+        timeline.target = shared.steps;
+        timeline.regrow_from(0);
+        Ok(timeline)
     }
 
     /// Everything it is but the shots of earlier steps, which can be grown again.
@@ -130,15 +165,4 @@ impl Timeline {
 
 fn sows(edit: &Edit, name: &str) -> bool {
     matches!(edit, Edit::Plant(planting) if planting.species == name)
-}
-
-/// Parameters in which a species differs from another, with their values.
-pub(crate) fn differing<'a>(
-    species: &'a Species,
-    from: &'a Species,
-) -> impl Iterator<Item = (&'static str, String)> + 'a {
-    Species::parameters().iter().filter_map(|row| {
-        let value = species.get(row.name)?;
-        (from.get(row.name)? != value).then(|| (row.name, value.to_string()))
-    })
 }
