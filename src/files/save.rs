@@ -146,6 +146,12 @@ pub fn read_save<T: DeserializeOwned>(path: &Path) -> Result<T, SaveError> {
     decode(&bytes, file)
 }
 
+/// Whether a file begins as a save does.
+pub fn is_save(path: &Path) -> bool {
+    let mut start = [0; MAGIC.len()];
+    File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == MAGIC
+}
+
 fn decode<T: DeserializeOwned>(bytes: &[u8], file: String) -> Result<T, SaveError> {
     let present = bytes.len() as u64;
     let start = bytes.len().min(MAGIC.len());

@@ -256,9 +256,8 @@ impl Timeline {
 
     /// Checks an edit that would follow the first `made` edits by hand, and gets the species it needs.
     fn check(&mut self, step: u32, edit: &Edit, made: usize) -> Result<(), TimelineError> {
-        let last = self.target.max(self.present());
-        if step > last {
-            return Err(TimelineError::NotGrown { step, last });
+        if step > self.target.max(self.present()) {
+            return Err(self.not_grown(step));
         }
         let before = self.base.scenario.edits.len() + made;
         let earlier = self.course.plan.iter().filter(|(n, e)| e.step <= step && *n < before);

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::course::Course;
 use super::{
-    Fixtures, Garden, GardenError, Snapshot, StepRecord, TimedEdit, Timeline, Tombstone, setting_of,
+    Fixtures, Garden, GardenError, Library, Snapshot, StepRecord, TimedEdit, Timeline, TimelineError,
+    Tombstone, Workers, setting_of,
 };
 use crate::environment::StandingSolid;
 use crate::scenario::{borne_by, crushed_by};
@@ -45,6 +46,13 @@ impl Ghost<'_> {
     /// A step of it in numbers.
     pub fn record(&self, step: u32) -> Option<&StepRecord> {
         self.0.record(step)
+    }
+
+    /// A step of it as it can be shown, before its edits; `None` if it is not kept.
+    pub fn view(&self, step: u32) -> Option<View> {
+        let (shot, setting) = self.0.start_at(step)?;
+        let standing = self.0.setting(step.saturating_add(1)).unwrap_or(setting).fixtures.clone();
+        Some(View { step, shot: shot.clone(), standing, record: self.record(step).copied() })
     }
 }
 
@@ -148,6 +156,24 @@ impl Timeline {
             self.course.keep(shot, setting);
         }
         Ok(None)
+    }
+
+    pub(in crate::scenario) fn library(&self) -> Library {
+        self.library.clone()
+    }
+
+    pub(in crate::scenario) fn workers(&self) -> Workers {
+        self.workers.clone()
+    }
+
+    /// Takes over what another may keep and take.
+    pub(in crate::scenario) fn adopt_settings(&mut self, from: &Self) {
+        self.set_limits(from.limits);
+        self.set_budget(from.budget);
+    }
+
+    pub(in crate::scenario) fn not_grown(&self, step: u32) -> TimelineError {
+        TimelineError::NotGrown { step, last: self.target.max(self.present()) }
     }
 
     /// Organs that fell, with step and cause: those of the course as it is, the newest 200,000.
