@@ -1,0 +1,74 @@
+//! Noise that repeats and images with their smaller copies, for the textures made here.
+
+/// A well mixed hash of a number.
+fn hash(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7FEB_352D);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846C_A68B);
+    x ^ (x >> 16)
+}
+
+/// Smooth noise in 0..1 that repeats in x and y with period 1 and has this many cells in each.
+pub(super) fn periodic(x: f32, y: f32, cells: [u32; 2], seed: u32) -> f32 {
+    let split = |v: f32, cells: u32| {
+        let v = (v - v.floor()) * cells as f32;
+        let cell = v.floor();
+        let f = v - cell;
+        (cell as u32 % cells, (cell as u32 + 1) % cells, f * f * (3.0 - 2.0 * f))
+    };
+    let (x0, x1, sx) = split(x, cells[0]);
+    let (y0, y1, sy) = split(y, cells[1]);
+    let at = |x: u32, y: u32| {
+        (hash(hash(hash(seed) ^ x) ^ y.wrapping_mul(0x9E37_79B9)) >> 8) as f32 / 16_777_216.0
+    };
+    let row = |y: u32| at(x0, y) + (at(x1, y) - at(x0, y)) * sx;
+    row(y0) + (row(y1) - row(y0)) * sy
+}
+
+/// A square image of four parts, 0..1, and its halves down to one texel.
+pub(super) struct Mips(Vec<Vec<[f32; 4]>>);
+
+impl Mips {
+    /// Of an image `size` texels wide, a power of two.
+    pub(super) fn of(size: usize, texels: Vec<[f32; 4]>) -> Self {
+        let mut levels = vec![texels];
+        let mut size = size;
+        while size > 1 {
+            let last = &levels[levels.len() - 1];
+            let half = size / 2;
+            let mut next = Vec::with_capacity(half * half);
+            for y in 0..half {
+                for x in 0..half {
+                    let of = |dx: usize, dy: usize| last[(2 * y + dy) * size + 2 * x + dx];
+                    let four = [of(0, 0), of(1, 0), of(0, 1), of(1, 1)];
+                    next.push(std::array::from_fn(|k| four.iter().map(|t| t[k]).sum::<f32>() * 0.25));
+                }
+            }
+            levels.push(next);
+            size = half;
+        }
+        Self(levels)
+    }
+
+    /// How many sizes there are.
+    pub(super) fn levels(&self) -> u32 {
+        self.0.len() as u32
+    }
+
+    /// Eight bits a part, `encode` for the first three.
+    pub(super) fn bytes(&self, encode: impl Fn(f32) -> f32) -> Vec<u8> {
+        let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        self.0
+            .iter()
+            .flatten()
+            .flat_map(|[r, g, b, a]| [byte(encode(*r)), byte(encode(*g)), byte(encode(*b)), byte(*a)])
+            .collect()
+    }
+}
+
+/// Linear to sRGB.
+pub(super) fn srgb(linear: f32) -> f32 {
+    let c = linear.clamp(0.0, 1.0);
+    if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * bevy::math::ops::powf(c, 1.0 / 2.4) - 0.055 }
+}
