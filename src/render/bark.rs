@@ -1,11 +1,9 @@
 //! Bark: one tile of furrowed bark, made here, the same for all plants; each tints it.
 
-use bevy::asset::RenderAssetUsages;
-use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::prelude::*;
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy::render::render_resource::TextureFormat;
 
-use super::noise::{Mips, periodic};
+use super::noise::{periodic, tile};
 
 /// The tile's side, texels.
 const SIZE: usize = 256;
@@ -49,30 +47,7 @@ fn bark_image() -> Image {
                 .push([0.5 - 1.6 * slope_x, 0.5 - 1.6 * slope_y, of(x, y), shade].map(|v| v.clamp(0.0, 1.0)));
         }
     }
-    let mips = Mips::of(SIZE, texels);
-    let mut image = Image::new(
-        Extent3d { width: SIZE as u32, height: SIZE as u32, depth_or_array_layers: 1 },
-        TextureDimension::D2,
-        mips.bytes(|v| v),
-        TextureFormat::Rgba8Unorm,
-        RenderAssetUsages::RENDER_WORLD,
-    );
-    image.texture_descriptor.mip_level_count = mips.levels();
-    image.sampler = tiled();
-    image
-}
-
-/// A sampler for tiles that repeat.
-pub(super) fn tiled() -> ImageSampler {
-    ImageSampler::Descriptor(ImageSamplerDescriptor {
-        address_mode_u: ImageAddressMode::Repeat,
-        address_mode_v: ImageAddressMode::Repeat,
-        mag_filter: ImageFilterMode::Linear,
-        min_filter: ImageFilterMode::Linear,
-        mipmap_filter: ImageFilterMode::Linear,
-        anisotropy_clamp: 8,
-        ..default()
-    })
+    tile(SIZE, texels, |v| v, TextureFormat::Rgba8Unorm)
 }
 
 #[cfg(test)]

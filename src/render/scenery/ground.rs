@@ -3,11 +3,10 @@
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy::render::render_resource::TextureFormat;
 
 use crate::environment::Ground;
-use crate::render::bark::tiled;
-use crate::render::noise::{Mips, periodic, srgb};
+use crate::render::noise::{periodic, srgb, tile};
 
 /// Half the side of the ground, metres.
 const REACH: f32 = 320.0;
@@ -147,15 +146,5 @@ fn grass_image() -> Image {
             }
         }
     }
-    let mips = Mips::of(SIZE, texels);
-    let mut image = Image::new(
-        Extent3d { width: SIZE as u32, height: SIZE as u32, depth_or_array_layers: 1 },
-        TextureDimension::D2,
-        mips.bytes(srgb),
-        TextureFormat::Rgba8UnormSrgb,
-        RenderAssetUsages::RENDER_WORLD,
-    );
-    image.texture_descriptor.mip_level_count = mips.levels();
-    image.sampler = tiled();
-    image
+    tile(SIZE, texels, srgb, TextureFormat::Rgba8UnormSrgb)
 }

@@ -1,13 +1,11 @@
 //! Solids: walls of courses of stone, balls and pillars of plaster.
 
-use bevy::asset::RenderAssetUsages;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
+use bevy::render::render_resource::TextureFormat;
 
 use crate::environment::{Solid, SolidShape};
-use crate::render::bark::tiled;
-use crate::render::noise::{Mips, periodic, srgb};
+use crate::render::noise::{periodic, srgb, tile};
 
 /// Width and height of a tile of masonry: two stones by four courses, metres.
 const TILE: [f32; 2] = [0.88, 0.80];
@@ -45,20 +43,10 @@ impl FromWorld for Masonry {
             relief.push([normal.x * 0.5 + 0.5, normal.y * 0.5 + 0.5, normal.z * 0.5 + 0.5, 1.0]);
         }
         Self {
-            color: images.add(image(color, srgb, TextureFormat::Rgba8UnormSrgb)),
-            relief: images.add(image(relief, |v| v, TextureFormat::Rgba8Unorm)),
+            color: images.add(tile(SIZE, color, srgb, TextureFormat::Rgba8UnormSrgb)),
+            relief: images.add(tile(SIZE, relief, |v| v, TextureFormat::Rgba8Unorm)),
         }
     }
-}
-
-fn image(texels: Vec<[f32; 4]>, encode: fn(f32) -> f32, format: TextureFormat) -> Image {
-    let mips = Mips::of(SIZE, texels);
-    let size = Extent3d { width: SIZE as u32, height: SIZE as u32, depth_or_array_layers: 1 };
-    let mut image =
-        Image::new(size, TextureDimension::D2, mips.bytes(encode), format, RenderAssetUsages::RENDER_WORLD);
-    image.texture_descriptor.mip_level_count = mips.levels();
-    image.sampler = tiled();
-    image
 }
 
 /// Height and shade of masonry at a point of the tile, each about 0..1.
