@@ -5,7 +5,8 @@
 //! ```
 //!
 //! Arguments: scenario, steps, file, and then, all optional, part of the step (0..1), azimuth, elevation in degrees,
-//! width, height, and an overlay (light, space, energy, radius, age, order).
+//! width, height, an overlay (light, space, energy, radius, age, order), how much nearer (1 or more), and at what
+//! height in metres to look.
 
 use std::sync::Arc;
 
@@ -67,8 +68,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bounds = Bounds::of(&scene);
     let framing = Framing::framing(&bounds, number(4, 20.0), number(5, 6.0), width as f32 / height as f32);
     let (image, target) = offscreen_target(&mut world.resource_mut::<Assets<Image>>(), width, height);
+    let nearer = number(9, 1.0).max(1.0);
+    let forward = match arguments.get(10) {
+        Some(_) => (Vec3::Y * number(10, 0.0) - framing.eye).normalize(),
+        None => framing.forward,
+    };
     let lens = PerspectiveProjection {
-        fov: 2.0 * bevy::math::ops::atan(framing.tan_half_view),
+        fov: 2.0 * bevy::math::ops::atan(framing.tan_half_view / nearer),
         far: 2000.0,
         ..default()
     };
@@ -78,7 +84,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Msaa::Off,
         bevy::anti_alias::fxaa::Fxaa::default(),
         Projection::Perspective(lens),
-        Transform::from_translation(framing.eye).looking_to(framing.forward, Vec3::Y),
+        Transform::from_translation(framing.eye).looking_to(forward, Vec3::Y),
     ));
     let overlay = Overlay::ALL.into_iter().find(|o| format!("{o:?}").to_lowercase() == text(8, "none"));
     world.spawn((Drawn { before, now }, StepFraction(number(3, 1.0)), Look { overlay, ghost: None }));

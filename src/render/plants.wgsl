@@ -296,8 +296,7 @@ fn blade(first: u32, packed: u32) -> Point {
     var color = plants[plant].leaf.rgb;
     // No two leaves are of one green: some yellower, some bluer; the inner ones deeper.
     let other = fract(chance * 7.31);
-    color *= mix(vec3(0.82, 0.90, 0.85), vec3(1.30, 1.16, 0.88), chance) * (0.88 + 0.24 * other);
-    color *= mix(0.62, 1.0, depth);
+    color *= mix(vec3(1.02, 1.12, 1.02), vec3(1.65, 1.48, 1.05), chance) * (0.88 + 0.24 * other);
     // Young leaves are fresh and light, falling ones turn.
     let young = saturate(1.0 - scales.x / max(scales.y, 0.001)) * (1.0 - t);
     color = mix(color, color * vec3(1.35, 1.25, 0.7), young);
@@ -305,7 +304,8 @@ fn blade(first: u32, packed: u32) -> Point {
         color = mix(color, vec3(0.42, 0.27, 0.06) * (0.7 + 0.6 * other), smoothstep(0.0, 0.35, fallen));
     }
     out.color = vec4(mix(color, false_color.rgb, false_color.a), f32(mark_of(index)));
-    out.uv_b = vec2(chance, false_color.a);
+    // How open to the sky it lies, for what light gets in.
+    out.uv_b = vec2(mix(0.35, 1.0, depth * depth), false_color.a);
     return out;
 }
 
@@ -408,7 +408,8 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
         color = mix(color, color * vec3(0.92, 0.98, 1.05) + vec3(0.02), 0.6 * plain);
     }
     pbr.material.perceptual_roughness = 0.62;
-    pbr.material.diffuse_transmission = 0.42;
+    pbr.material.diffuse_transmission = 0.5;
+    pbr.diffuse_occlusion = vec3(in.uv_b.x);
 #else
     let radius = in.uv_b.x;
     // Tiles double in number as a stem doubles in girth, one set fading into the next.
@@ -419,7 +420,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     // Twigs are smooth.
     let rough = smoothstep(0.004, 0.05, radius) * plain;
     let crust = bark.a - 0.5;
-    color *= mix(1.0, (0.50 + 0.85 * bark.b) * (1.0 + 0.3 * crust), 0.35 * plain + 0.65 * rough);
+    color *= mix(1.0, (0.55 + 1.0 * bark.b) * (1.0 + 0.3 * crust), 0.35 * plain + 0.65 * rough);
     color *= mix(vec3(1.0), vec3(1.0 + 0.14 * crust, 1.0, 1.0 - 0.16 * crust), rough);
     let bump = (bark.rg * 2.0 - 1.0) * 1.6 * rough;
     pbr.N = bumped(pbr.N, in.world_position.xyz, vec2(in.uv.x * max(TAU * radius, 0.01), in.uv.y), bump);

@@ -164,7 +164,7 @@ fn set_cameras(
                 color: Color::LinearRgba(daylight.haze * daylight.exposure()).with_alpha(1.0),
                 directional_light_color: Color::NONE,
                 directional_light_exponent: 8.0,
-                falloff: FogFalloff::ExponentialSquared { density: 0.011 },
+                falloff: FogFalloff::ExponentialSquared { density: 0.0042 },
             },
         ));
     }

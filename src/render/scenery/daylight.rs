@@ -63,27 +63,28 @@ impl Daylight {
             }
             None => {
                 let soft = Vec3::new(0.55, 0.75, 0.62).normalize();
-                (soft, Vec3::new(1.0, 0.95, 0.86), 1.5 * strength * (1.0 - 0.55 * dusk), false)
+                (soft, Vec3::new(1.0, 0.95, 0.86), 2.3 * strength * (1.0 - 0.65 * dusk), false)
             }
         };
         let night = Vec3::new(0.006, 0.009, 0.02);
-        let ambient = tint * strength + night;
-        let meadow = Vec3::new(0.15, 0.17, 0.075);
+        // In dusk the eye opens up the shadows.
+        let ambient = tint * (strength * (0.85 + 0.75 * dusk)) + night;
+        let meadow = Vec3::new(0.13, 0.17, 0.06);
         let bounced = meadow * (ambient * 0.8 + color * key * direction.y.max(0.0) * 0.35);
         let (above, beside) = (ambient * 1.05, ambient * 0.72 + bounced * 0.25);
 
-        let day = [Vec3::new(0.17, 0.40, 0.84), Vec3::new(0.50, 0.73, 0.98), Vec3::new(0.97, 0.99, 1.0)];
+        let day = [Vec3::new(0.10, 0.30, 0.78), Vec3::new(0.36, 0.62, 0.98), Vec3::new(0.86, 0.95, 1.02)];
         let late = [Vec3::new(0.13, 0.21, 0.50), Vec3::new(0.42, 0.38, 0.58), Vec3::new(1.30, 0.66, 0.36)];
-        let bright = strength * (1.75 - 0.35 * dusk);
+        let bright = strength * (1.2 + 0.2 * dusk);
         let shade = |i: usize| day[i].lerp(late[i], dusk) * bright + night * 2.0;
-        let haze = (shade(2).lerp(shade(1), 0.35) * Vec3::new(0.62, 0.70, 0.66)) * Self::FULL_SKY;
+        let haze = (shade(2).lerp(shade(1), 0.35) * Vec3::new(0.46, 0.58, 0.56)) * Self::FULL_SKY;
 
         // Lamps count by what they give at ten radii, wherever they stand: moving one must not flicker.
         let lit: f32 = lamps.iter().filter(|l| l.on).map(|l| l.strength.max(0.0) * 0.01).sum();
         let level =
             0.8 * strength + 0.35 * (color * key).element_sum() * direction.y + 0.08 * lit.min(4.0) + 0.01;
         // The eye adapts, but not all the way: dusk stays darker than noon.
-        let exposure = 0.9 / ops::powf(level, 0.68);
+        let exposure = 1.3 / ops::powf(level, 0.68);
         let ev100 = ops::log2(Self::FULL_SKY / (1.2 * exposure));
         let linear = |v: Vec3| LinearRgba::rgb(v.x, v.y, v.z);
         Self {
@@ -123,7 +124,7 @@ impl Daylight {
             let puff = 0.6 * periodic(at.x, at.y * 1.7, [5, 5], 21)
                 + 0.3 * periodic(at.x, at.y, [13, 13], 22)
                 + 0.15 * periodic(at.x, at.y, [31, 31], 23);
-            let cover = smooth(0.52, 0.82, puff) * smooth(0.03, 0.22, d.y) * 0.65;
+            let cover = smooth(0.48, 0.78, puff) * smooth(0.03, 0.2, d.y) * 0.75;
             let lit = horizon.max(middle) * 1.04;
             color = color.lerp(lit, cover);
         }

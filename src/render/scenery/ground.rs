@@ -113,7 +113,7 @@ fn patch(x: f32, z: f32) -> [f32; 4] {
 
 /// Grass from above: blades over blades, and earth between.
 fn grass_image() -> Image {
-    let mut texels = vec![[0.080, 0.072, 0.040, 1.0]; SIZE * SIZE];
+    let mut texels = vec![[0.050, 0.052, 0.024, 1.0]; SIZE * SIZE];
     for (k, texel) in texels.iter_mut().enumerate() {
         let (x, y) = ((k % SIZE) as f32 / SIZE as f32, (k / SIZE) as f32 / SIZE as f32);
         let n = 0.5 * periodic(x, y, [40, 40], 71) + 0.5 * periodic(x, y, [130, 130], 72);
@@ -131,10 +131,10 @@ fn grass_image() -> Image {
         let (sin, cos) = bevy::math::ops::sin_cos(turn);
         let length = 7.0 + 16.0 * unit(k, 76);
         let clump = periodic(x.fract(), y.fract(), [7, 7], 77);
-        let fresh = (0.55 * unit(k, 78) + 0.6 * clump).clamp(0.0, 1.0);
+        let fresh = (0.35 + 0.5 * unit(k, 78) + 0.5 * clump).clamp(0.0, 1.0);
         let tone = (0.45 + 0.55 * k as f32 / BLADES as f32) * (0.75 + 0.5 * unit(k, 79));
-        let tip = [0.185, 0.215, 0.075].map(|c: f32| c * tone);
-        let dry = [0.235, 0.205, 0.105].map(|c: f32| c * tone);
+        let tip = [0.135, 0.205, 0.050].map(|c: f32| c * tone);
+        let dry = [0.215, 0.205, 0.085].map(|c: f32| c * tone);
         for step in 0..length as u32 {
             let along = step as f32 / length;
             (x, y) = (x + cos / SIZE as f32, y + sin / SIZE as f32);

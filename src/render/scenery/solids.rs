@@ -7,10 +7,10 @@ use bevy::render::render_resource::TextureFormat;
 use crate::environment::{Solid, SolidShape};
 use crate::render::noise::{periodic, srgb, tile};
 
-/// Width and height of a tile of masonry: two stones by four courses, metres.
-const TILE: [f32; 2] = [0.88, 0.80];
+/// Width and height of a tile of masonry: four stones by eight courses, metres.
+const TILE: [f32; 2] = [1.76, 1.60];
 /// Width of a joint, metres.
-const JOINT: f32 = 0.014;
+const JOINT: f32 = 0.016;
 /// Side of its images, texels.
 const SIZE: usize = 512;
 
@@ -51,21 +51,22 @@ impl FromWorld for Masonry {
 
 /// Height and shade of masonry at a point of the tile, each about 0..1.
 fn stone(x: f32, y: f32) -> (f32, f32) {
-    let wobble = 0.006 * (periodic(x, y, [9, 9], 51) - 0.5);
-    let courses = y * 4.0 + wobble * 4.0;
-    let course = courses.floor().rem_euclid(4.0);
-    let along =
-        x * 2.0 + 0.5 * (course % 2.0) + 0.17 * periodic(0.0, (course + 0.5) / 4.0, [1, 4], 52) + wobble;
-    let which = along.floor().rem_euclid(2.0);
+    let wobble = 0.004 * (periodic(x, y, [13, 13], 51) - 0.5) + 0.003 * (periodic(x, y, [37, 37], 58) - 0.5);
+    let courses = (y + wobble) * 8.0;
+    let course = courses.floor().rem_euclid(8.0);
+    let shift = 0.5 * (course % 2.0) + 0.3 * (periodic(0.3, (course + 0.5) / 8.0, [1, 8], 52) - 0.5);
+    let along = (x + wobble) * 4.0 + shift;
+    let which = along.floor().rem_euclid(4.0);
     let to_joint = |v: f32, size: f32| (0.5 - (v - v.floor() - 0.5).abs()) * size;
-    let near = to_joint(courses, TILE[1] / 4.0).min(to_joint(along, TILE[0] / 2.0));
-    let face = ((near - JOINT * 0.4) / (JOINT * 0.9)).clamp(0.0, 1.0);
-    let rough = 0.5 * periodic(x, y, [24, 24], 53)
-        + 0.3 * periodic(x, y, [60, 60], 54)
-        + 0.2 * periodic(x, y, [140, 140], 55);
-    let height = face * (0.75 + 0.25 * rough) + (1.0 - face) * 0.25 * rough;
-    let own = periodic((which + 0.5) / 2.0, (course + 0.5) / 4.0, [8, 16], 56);
-    let shade = 0.82 + 0.26 * (own - 0.5) + 0.22 * (rough - 0.5) + 0.14 * (periodic(x, y, [3, 3], 57) - 0.5);
+    let near = to_joint(courses, TILE[1] / 8.0).min(to_joint(along, TILE[0] / 4.0));
+    let rough = 0.5 * periodic(x, y, [44, 44], 53)
+        + 0.3 * periodic(x, y, [110, 110], 54)
+        + 0.2 * periodic(x, y, [230, 230], 55);
+    let face = ((near - JOINT * (0.2 + 0.5 * rough)) / (JOINT * 0.8)).clamp(0.0, 1.0);
+    let height = face * (0.70 + 0.30 * rough) + (1.0 - face) * 0.25 * rough;
+    let own = periodic(which / 4.0, course / 8.0, [4, 8], 56);
+    let weathered = periodic(x, y, [3, 4], 57) - 0.5;
+    let shade = 0.80 + 0.30 * (own - 0.5) + 0.26 * (rough - 0.5) + 0.16 * weathered;
     (height, (shade * (0.86 + 0.14 * face)).clamp(0.0, 1.0))
 }
 
