@@ -18,8 +18,8 @@ use burgeon::environment::workers::Workers;
 use burgeon::export::picture::{Bounds, Camera as Framing};
 use burgeon::prelude::*;
 use burgeon::render::{
-    DrawSettings, Drawn, Look, OutdoorCamera, Overlay, PlantRenderPlugin, SceneryPlugin, StepFraction,
-    offscreen_app, offscreen_target, take_picture,
+    DrawSettings, Drawn, Look, OutdoorCamera, Overlay, PlantRenderPlugin, SceneryPlugin, ScenerySettings,
+    StepFraction, offscreen_app, offscreen_target, take_picture,
 };
 use burgeon::scenario::Garden;
 
@@ -43,6 +43,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut app = offscreen_app();
     app.add_plugins((PlantRenderPlugin, SceneryPlugin));
     app.insert_resource(DrawSettings { pack_at_once: true, ..default() });
+    // Nobody waits for the next frame.
+    app.insert_resource(ScenerySettings { shadow_distance: 40.0, ..ScenerySettings::FULL });
     app.finish();
     app.cleanup();
 

@@ -1,16 +1,18 @@
 //! What stands around the plants, drawn as it is sensed: walls, lamps, sun, sky and ground.
 
 mod daylight;
+mod grass;
 mod ground;
 mod lamps;
 mod solids;
 
-use bevy::camera::Exposure;
+use bevy::camera::{Exposure, Hdr};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::light::{
     CascadeShadowConfig, CascadeShadowConfigBuilder, DirectionalLightShadowMap, EnvironmentMapLight, Skybox,
 };
 use bevy::pbr::{DistanceFog, FogFalloff};
+use bevy::post_process::bloom::Bloom;
 use bevy::prelude::*;
 use bevy::render::renderer::RenderAdapterInfo;
 
@@ -35,13 +37,17 @@ pub struct ScenerySettings {
     pub shadow_map: usize,
     /// How many lamps cast shadows, brightest first.
     pub lamp_shadows: usize,
+    /// Whether bright things glow.
+    pub bloom: bool,
 }
 
 impl ScenerySettings {
     /// For a graphics card.
-    pub const FULL: Self = Self { shadow_distance: 60.0, cascades: 3, shadow_map: 2048, lamp_shadows: 4 };
+    pub const FULL: Self =
+        Self { shadow_distance: 60.0, cascades: 3, shadow_map: 2048, lamp_shadows: 4, bloom: true };
     /// For a processor that stands in for one.
-    pub const LEAN: Self = Self { shadow_distance: 40.0, cascades: 1, shadow_map: 1024, lamp_shadows: 1 };
+    pub const LEAN: Self =
+        Self { shadow_distance: 40.0, cascades: 1, shadow_map: 1024, lamp_shadows: 1, bloom: false };
 }
 
 /// Marks a [`Camera3d`] that looks out into the open: it gets sky, haze, ambient light and exposure.
@@ -134,11 +140,12 @@ fn set_key_light(
 fn set_cameras(
     mut commands: Commands,
     daylight: Res<Daylight>,
+    settings: Res<ScenerySettings>,
     mut images: ResMut<Assets<Image>>,
     mut sky: Local<Option<(Handle<Image>, EnvironmentMapLight)>>,
     cameras: Query<(Entity, Has<Skybox>), With<OutdoorCamera>>,
 ) {
-    let fresh = daylight.is_changed() || sky.is_none();
+    let fresh = daylight.is_changed() || settings.is_changed() || sky.is_none();
     if !fresh && cameras.iter().all(|(_, dressed)| dressed) {
         return;
     }
@@ -155,7 +162,14 @@ fn set_cameras(
         if dressed && !fresh {
             continue;
         }
+        if settings.bloom {
+            commands.entity(camera).insert(Bloom { intensity: 0.10, ..Bloom::NATURAL });
+        } else {
+            commands.entity(camera).remove::<Bloom>();
+        }
         commands.entity(camera).insert((
+            // Without, the sky alone would not pass through the film curve.
+            Hdr,
             Skybox { image: Some(image.clone()), brightness: Daylight::FULL_SKY, ..default() },
             ambient.clone(),
             Exposure { ev100: daylight.ev100 },

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 
 use super::Lot;
 use super::union::{NONE, Union};
+use crate::plant::OrganState;
 use crate::render::record::{Ring, RingState, Window, flags};
 
 /// Widening of the base of an axis, as a multiple of its first radius.
@@ -131,6 +132,15 @@ fn sprout(union: &Union, first: usize) -> Vec3 {
     }
 }
 
+/// Radius of an internode in the earlier (0) or later (1) state, metres.
+fn radius_in(union: &Union, i: usize, state: usize) -> f32 {
+    let (snapshot, at) = if state == 0 { union.earliest(i) } else { union.latest(i) };
+    match &snapshot.state[at] {
+        OrganState::Internode(internode, _) => internode.radius,
+        _ => f32::INFINITY,
+    }
+}
+
 /// The rings of a chain in the earlier (0) or later (1) state: one at its base, one at the tip of each internode,
 /// and a point that closes it.
 fn rings(union: &Union, chain: &[usize], state: usize, axes: &Axes, into: &mut Vec<Bare>) {
@@ -140,17 +150,13 @@ fn rings(union: &Union, chain: &[usize], state: usize, axes: &Axes, into: &mut V
     for &i in chain {
         let (snapshot, at) = if state == 0 { union.earliest(i) } else { union.latest(i) };
         let pose = &snapshot.pose[at];
-        let length = snapshot.length(at);
-        let radius = match &snapshot.state[at] {
-            crate::plant::OrganState::Internode(internode, _) => internode.radius,
-            _ => 0.0,
-        };
+        let (length, radius) = (snapshot.length(at), radius_in(union, i, state));
         let heading = pose.heading();
         match into.last_mut() {
             None => {
+                // A side axis begins no wider than what bears it.
                 let p = union.parent[i] as usize;
-                let below = if p < union.len() { union.internode(p) } else { None };
-                let widest = below.map_or(f32::INFINITY, |below| below.radius);
+                let widest = if p < union.len() { radius_in(union, p, state) } else { f32::INFINITY };
                 let radius = (FLARE * radius).min(widest).max(radius.min(widest));
                 into.push(Bare { center: pose.position, direction: heading, radius, along });
             }

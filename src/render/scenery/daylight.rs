@@ -75,9 +75,9 @@ impl Daylight {
 
         let day = [Vec3::new(0.10, 0.30, 0.78), Vec3::new(0.36, 0.62, 0.98), Vec3::new(0.86, 0.95, 1.02)];
         let late = [Vec3::new(0.13, 0.21, 0.50), Vec3::new(0.42, 0.38, 0.58), Vec3::new(1.30, 0.66, 0.36)];
-        let bright = strength * (1.2 + 0.2 * dusk);
+        let bright = strength * (2.0 - 1.1 * dusk);
         let shade = |i: usize| day[i].lerp(late[i], dusk) * bright + night * 2.0;
-        let haze = (shade(2).lerp(shade(1), 0.35) * Vec3::new(0.46, 0.58, 0.56)) * Self::FULL_SKY;
+        let haze = (shade(2).lerp(shade(1), 0.35) * Vec3::new(0.34, 0.44, 0.40)) * Self::FULL_SKY;
 
         // Lamps count by what they give at ten radii, wherever they stand: moving one must not flicker.
         let lit: f32 = lamps.iter().filter(|l| l.on).map(|l| l.strength.max(0.0) * 0.01).sum();
@@ -214,7 +214,10 @@ mod tests {
     fn dusk_is_darker_than_day_on_screen_and_brighter_than_in_the_world() {
         let day = Daylight::of(&Sky::default(), None, &[]);
         let dusk = Daylight::of(&Sky { strength: 0.15, ..default() }, None, &[]);
-        let shown = |light: &Daylight| light.ambient[0].green * Daylight::FULL_SKY * light.exposure();
+        let shown = |light: &Daylight| {
+            let key = light.key_lux / core::f32::consts::PI * light.key_direction.y;
+            (light.ambient[0].green * Daylight::FULL_SKY + key) * light.exposure()
+        };
         assert!(shown(&dusk) < 0.8 * shown(&day));
         assert!(shown(&dusk) > 0.2 * shown(&day));
         assert!(dusk.ev100 < day.ev100);

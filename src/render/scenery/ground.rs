@@ -1,10 +1,13 @@
 //! The ground: a meadow out to the haze, with tufts of grass where one looks.
 
 use bevy::asset::RenderAssetUsages;
+use bevy::camera::visibility::VisibilityRange;
+use bevy::light::{NotShadowCaster, TransmittedShadowReceiver};
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 
+use super::grass;
 use crate::environment::Ground;
 use crate::render::noise::{periodic, srgb, tile};
 
@@ -14,6 +17,8 @@ const REACH: f32 = 320.0;
 const CELLS: usize = 96;
 /// Side of a tile of grass, metres.
 const TILE: f32 = 3.1;
+/// Distance from the camera up to which blades of grass are drawn, metres.
+const GRASS_DISTANCE: f32 = 60.0;
 /// Side of its image, texels.
 const SIZE: usize = 512;
 
@@ -22,6 +27,8 @@ const SIZE: usize = 512;
 pub(super) struct Meadow {
     mesh: Handle<Mesh>,
     material: Handle<StandardMaterial>,
+    grass: Handle<Mesh>,
+    blades: Handle<StandardMaterial>,
 }
 
 impl FromWorld for Meadow {
@@ -33,8 +40,15 @@ impl FromWorld for Meadow {
             reflectance: 0.05,
             ..default()
         });
-        let mesh = world.resource_mut::<Assets<Mesh>>().add(ground_mesh());
-        Self { mesh, material }
+        let blades = world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial {
+            perceptual_roughness: 0.8,
+            reflectance: 0.2,
+            diffuse_transmission: 0.3,
+            cull_mode: None,
+            ..default()
+        });
+        let mut meshes = world.resource_mut::<Assets<Mesh>>();
+        Self { mesh: meshes.add(ground_mesh()), material, grass: meshes.add(grass::mesh()), blades }
     }
 }
 
@@ -62,7 +76,14 @@ pub(super) fn show_ground(
                 Mesh3d(meadow.mesh.clone()),
                 MeshMaterial3d(meadow.material.clone()),
                 Transform::from_xyz(0.0, height, 0.0),
-                bevy::light::NotShadowCaster,
+                NotShadowCaster,
+                children![(
+                    Mesh3d(meadow.grass.clone()),
+                    MeshMaterial3d(meadow.blades.clone()),
+                    NotShadowCaster,
+                    TransmittedShadowReceiver,
+                    VisibilityRange::abrupt(0.0, GRASS_DISTANCE),
+                )],
             ));
         }
         (None, Ok((entity, _))) => commands.entity(entity).despawn(),

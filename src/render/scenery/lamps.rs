@@ -9,6 +9,9 @@ use crate::environment::Lamp;
 /// Light below this share of the ambient is not followed further.
 const FAINT: f32 = 0.02;
 
+/// Brightness of a burning ball on screen, 1 for white.
+const GLOW: f32 = 30.0;
+
 /// Marks a lamp that has its ball and light.
 #[derive(Component)]
 pub(super) struct Lit {
@@ -51,8 +54,8 @@ pub(super) fn show_lamps(
         };
         let glow = StandardMaterial {
             base_color: match lamp.on {
-                // White in the middle as bright things look, its colour kept at the rim by the halo.
-                true => Color::linear_rgb(0.4 + 2.2 * r, 0.4 + 2.2 * g, 0.4 + 2.2 * b),
+                // As bright things look: white in the middle, its colour in the glow about it.
+                true => Color::linear_rgb(GLOW * r, GLOW * g, GLOW * b),
                 false => Color::linear_rgb(0.55, 0.53, 0.48),
             },
             unlit: lamp.on,
