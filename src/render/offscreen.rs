@@ -9,7 +9,7 @@ use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
-use bevy::render::view::screenshot::{Captured, Screenshot, ScreenshotCaptured, save_to_disk};
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::{ExitCondition, WindowPlugin};
 
@@ -105,17 +105,14 @@ impl Plugin for PictureAndExit {
     }
 }
 
-fn count_down(
-    mut commands: Commands,
-    mut countdown: ResMut<Countdown>,
-    captured: Query<(), With<Captured>>,
-    mut exit: MessageWriter<AppExit>,
-) {
+fn count_down(mut commands: Commands, mut countdown: ResMut<Countdown>) {
     countdown.frames = countdown.frames.saturating_sub(1);
-    if countdown.taken && !captured.is_empty() {
-        exit.write(AppExit::Success);
-    } else if countdown.frames == 0 && !countdown.taken {
+    if countdown.frames == 0 && !countdown.taken {
         countdown.taken = true;
-        commands.spawn(Screenshot::primary_window()).observe(save_to_disk(countdown.file.clone()));
+        commands.spawn(Screenshot::primary_window()).observe(save_to_disk(countdown.file.clone())).observe(
+            |_: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
+                exit.write(AppExit::Success);
+            },
+        );
     }
 }
