@@ -1,6 +1,7 @@
 //! The commands, what they share, and the exit codes.
 
 mod check;
+mod compare;
 mod completions;
 mod describe;
 mod film;
@@ -41,6 +42,8 @@ enum Command {
     Watch(watch::Watch),
     /// Grow a scenario, or a run again from its run.ron, and write pictures, a model and tables.
     Grow(Box<grow::Grow>),
+    /// Grow the same seed in several scenarios and show them side by side.
+    Compare(compare::Compare),
     /// Grow a scenario and show what can be seen from a point in it: light, share and space, as JSON.
     Probe(Box<probe::ProbeAt>),
     /// Check species, scenario, run and save files, one line each.
@@ -106,6 +109,7 @@ pub fn main() -> ExitCode {
         None => watch::Watch::default().run(),
         Some(Command::Watch(command)) => command.run(),
         Some(Command::Grow(command)) => command.run(),
+        Some(Command::Compare(command)) => command.run(),
         Some(Command::Probe(command)) => command.run(),
         Some(Command::Check(command)) => command.run(),
         Some(Command::Describe(command)) => command.run(),

@@ -10,14 +10,16 @@ mod run;
 mod save;
 mod scenario;
 mod set;
+mod share;
 mod source;
 mod species;
 
-pub use read::{inside, read_text, write_whole};
+pub use read::{inside, read_text, replace_file, write_whole};
 pub use run::{RunFile, StepHashes};
-pub use save::{SaveError, read_save, write_save};
+pub use save::{SaveError, is_save, read_save, write_save};
 pub use scenario::{FARTHEST_M, LARGEST_M, ResolvedScenario, ScenarioError};
 pub use set::parse_value;
+pub use share::{ShareError, SharedTree};
 
 use crate::species::parameter::nearest;
 use source::Source;

@@ -83,6 +83,8 @@ impl Plugin for GrowthPlugin {
             .init_resource::<nodes::FreshNodes>()
             .init_resource::<generation::Condemned>()
             .init_resource::<sensing::SensingJob>()
+            .init_resource::<sensing::ProbeCount>()
+            .init_resource::<crate::limits::GrowthLimits>()
             .init_resource::<Messages<generation::BudBroke>>()
             .add_schedule(growth_step());
     }

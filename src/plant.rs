@@ -1,6 +1,7 @@
 //! What a plant is: organs as entities, who grew from whom, the energy they share, and the
 //! [`Snapshot`] everything else reads.
 
+mod check;
 mod energy;
 mod identity;
 pub mod measure;
@@ -10,6 +11,7 @@ mod roster;
 mod shed;
 mod snapshot;
 
+pub use check::SnapshotError;
 pub use energy::{EnergyLedger, EnergyStore};
 pub use identity::{Bears, Cause, Fallen, GrowsFrom, GrowthSpan, Identity, Lineage, OrganShed, Tombstone};
 pub use organ::{
@@ -77,5 +79,22 @@ impl Plugin for PlantPlugin {
             .register_type::<BranchOrder>()
             .register_type::<Attachment>()
             .register_type::<Pose>();
+        // A snapshot asks for all of them, also in a world where some kind of organ has never been born.
+        let world = app.world_mut();
+        world.register_component::<Identity>();
+        world.register_component::<GrowthSpan>();
+        world.register_component::<BranchOrder>();
+        world.register_component::<Attachment>();
+        world.register_component::<Pose>();
+        world.register_component::<EnergyFlow>();
+        world.register_component::<Internode>();
+        world.register_component::<Node>();
+        world.register_component::<ApicalBud>();
+        world.register_component::<crate::tropism::Steering>();
+        world.register_component::<GrowthTarget>();
+        world.register_component::<LateralBud>();
+        world.register_component::<Leaf>();
+        world.register_component::<Exposure>();
+        world.register_component::<Allotment>();
     }
 }

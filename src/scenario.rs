@@ -1,8 +1,14 @@
 //! What stands where: plants, walls, lamps, sky, ground, and the edits of a run.
 
+mod autosave;
 mod edit;
+mod fixtures;
 mod garden;
+mod gardener;
 mod place;
+mod preview;
+mod saved;
+mod timeline;
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -12,9 +18,15 @@ use crate::environment::{Sky, SolidShape};
 use crate::growth::Mechanisms;
 use crate::species::parameter::Color;
 
+pub use autosave::Autosave;
 pub use edit::{Edit, EditError, EditOutcome, TimedEdit, apply, crush};
-pub use garden::{Garden, GardenError, GardenSave};
+pub use fixtures::{Fixture, FixtureError, Fixtures};
+pub use garden::{Garden, GardenError, GardenSave, GardenSaveError};
+pub use gardener::{Gardener, GardenerError, GardenerSettings, Gone, News, Order, Progress};
 pub use place::{RunSeed, SpeciesBook};
+pub use preview::{borne_by, crushed_by};
+pub use saved::{History, SavedRun};
+pub use timeline::{Ghost, Timeline, TimelineError, View, Visit};
 
 /// A plant in its place.
 #[derive(Debug, Clone, PartialEq, Reflect, Serialize, Deserialize)]

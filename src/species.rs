@@ -194,6 +194,14 @@ parameters! {
 }
 
 impl Species {
+    /// Parameters in which it differs from another, with its values as after `=` in `--set`.
+    pub fn differing<'a>(&'a self, from: &'a Self) -> impl Iterator<Item = (&'static str, String)> + 'a {
+        Self::parameters().iter().filter_map(|row| {
+            let value = self.get(row.name)?;
+            (from.get(row.name)? != value).then(|| (row.name, value.to_string()))
+        })
+    }
+
     /// Branching angle of a side axis of a parent of this order, radians.
     pub fn branching_angle(&self, parent_order: u32) -> f32 {
         self.branching_angles_deg.at(parent_order).unwrap_or(self.branching_angle_deg).to_radians()

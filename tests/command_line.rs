@@ -59,6 +59,23 @@ fn grow_leaves_pictures_a_model_tables_and_the_run() {
 }
 
 #[test]
+fn a_limit_stops_with_a_message_and_keeps_the_result() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for (i, limit) in ["organs=40", "probes=10", "steps=3", "memory=100000"].iter().enumerate() {
+        let (_, err) = ends(at, &format!("grow figure_1c --limit {limit} --out o{i}"), 3);
+        let (what, most) = limit.split_once('=').unwrap();
+        assert!(err.contains(what) && err.contains(most), "{err}");
+        let run = std::fs::read_to_string(at.join(format!("o{i}/run.ron"))).unwrap();
+        let steps = RunFile::from_ron(&run, "run.ron").unwrap().steps;
+        assert!((1..9).contains(&steps), "{limit} stopped at {steps}");
+        assert!(at.join(format!("o{i}/tree.glb")).exists());
+    }
+    ends(at, "grow open --limit leaves=3", 2);
+    assert!(!at.join("out").exists());
+}
+
+#[test]
 fn a_run_grows_again_as_the_same_tree_on_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
@@ -154,6 +171,31 @@ fn probe_reads_light_and_space() {
     let beside = json(at, "probe wall --steps 1 --at 0.3,1,0 --face-size 8 --out p");
     assert!(beside["light"].as_f64() < reading["light"].as_f64());
     ends(at, "probe wall --steps 1 --at 0,1,0 --out o", 1);
+}
+
+#[test]
+fn probe_measures_what_comparing_candidates_in_one_map_gives_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let given = json(at, "probe open --steps 7 --given-away");
+    assert!(given["searches"].as_u64().unwrap() > 20, "{given}");
+    let of = |key: &str| given[key].as_f64().unwrap();
+    assert!((0.0..of("mean_spread")).contains(&of("mean_fitness_given_away")), "{given}");
+    assert!(is_empty(at));
+    ends(at, "probe open --steps 7 --given-away --at 0,1,0", 2);
+}
+
+#[test]
+fn compare_shows_the_same_seed_side_by_side() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let (out, _) = ends(at, "compare figure_1c figure_1d --steps 2 --seed 3 --timelapse --out o", 0);
+    assert!(out.contains("figure_1c") && out.contains("figure_1d"), "{out}");
+    let png = image::open(at.join("o/compare.png")).unwrap();
+    assert!(png.width() > 2 * png.height() * 4 / 5, "two pictures in a row");
+    assert!(at.join("o/compare.gif").exists());
+    ends(at, "compare figure_1c --out p", 2);
+    ends(at, "compare figure_1c figure_1d --steps 2 --out o", 1);
 }
 
 #[test]

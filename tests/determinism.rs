@@ -90,7 +90,7 @@ fn the_same_tree_resumed_at_any_step() {
         for k in 0..steps {
             let bytes = postcard::to_stdvec(&first.save()).unwrap();
             let save: GardenSave = postcard::from_bytes(&bytes).unwrap();
-            let mut resumed = Garden::resume(save, Workers::new(1).unwrap());
+            let mut resumed = Garden::resume(save, Workers::new(1).unwrap()).unwrap();
             assert_eq!(resumed.snapshot(), first.snapshot(), "{name} restored at step {k}");
             assert_eq!(hashes(&mut resumed, steps - k), whole[k as usize..], "{name} resumed at step {k}");
             first.step().unwrap();
@@ -105,7 +105,7 @@ fn the_same_tree_resumed_after_edits() {
     let whole = hashes(&mut garden(resolved.clone(), 5), 7);
     for k in [3, 4, 5] {
         let save = grown(resolved.clone(), 5, k).save();
-        let mut resumed = Garden::resume(save, Workers::new(1).unwrap());
+        let mut resumed = Garden::resume(save, Workers::new(1).unwrap()).unwrap();
         assert_eq!(hashes(&mut resumed, 7 - k), whole[k as usize..], "resumed at step {k}");
     }
 }

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use burgeon::environment::{Scene, add_plants};
 use burgeon::export::{ExportError, gltf as model, tables};
 use burgeon::plant::measure::{Form, StageSeconds, StepRecord};
-use burgeon::plant::pose::{Link, derive};
+use burgeon::plant::pose::Stem;
 use burgeon::plant::*;
 use burgeon::shape::foliage::Foliage;
 use burgeon::shape::outline::LeafOutline;
@@ -19,8 +19,8 @@ use proptest::prelude::*;
 /// Builds a plant organ by organ, parents first.
 struct Sketch {
     snapshot: Snapshot,
-    links: Vec<Link>,
-    root: Pose,
+    stems: Vec<Stem>,
+    root: Stem,
 }
 
 impl Sketch {
@@ -35,16 +35,19 @@ impl Sketch {
         };
         Self {
             snapshot: Snapshot { step: 7, plants: vec![None, Some(record)], ..Snapshot::default() },
-            links: Vec::new(),
-            root: Pose { position, rotation: Quat::IDENTITY },
+            stems: Vec::new(),
+            root: Stem { pose: Pose { position, rotation: Quat::IDENTITY }, ..Stem::default() },
         }
     }
 
     fn organ(&mut self, parent: u32, order: u32, turn: Quat, state: OrganState) -> u32 {
-        let i = self.links.len() as u32;
+        let i = self.stems.len() as u32;
         let length = if let OrganState::Internode(internode, _) = &state { internode.length } else { 0.0 };
-        self.links.push(Link { parent, attachment: turn, length, offset: 0.0 });
+        let below = if parent == NO_PARENT { self.root } else { self.stems[parent as usize] };
+        let pose = below.bear(turn, false);
+        self.stems.push(Stem { pose, length, radius: 0.0 });
         let s = &mut self.snapshot;
+        s.pose.push(pose);
         s.birth.push(3 * i + 5);
         s.parent.push(parent);
         s.plant.push(1);
@@ -64,8 +67,7 @@ impl Sketch {
         self.organ(parent, order, turn, OrganState::Internode(internode, Some(Node { ordinal: 0 })))
     }
 
-    fn finish(mut self) -> Snapshot {
-        self.snapshot.pose = derive(&self.links, |_| self.root);
+    fn finish(self) -> Snapshot {
         self.snapshot
     }
 }

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use burgeon::assets::FileKind;
-use burgeon::files::{RunFile, read_save, read_text};
+use burgeon::files::{RunFile, is_save, read_text};
+use burgeon::scenario::SavedRun;
 use burgeon::species::Species;
 use clap::Args;
 
 use super::Failure;
-use super::grow::SavedRun;
 use super::input::library;
 use super::output::say;
 
@@ -45,7 +45,7 @@ impl Check {
 /// What a good file is, in a few words.
 fn check(path: &Path, library: &burgeon::assets::Library) -> Result<String, Failure> {
     if is_save(path) {
-        let save: SavedRun = read_save(path)?;
+        let save = SavedRun::read(path)?;
         return Ok(format!(
             "a save of {} at step {}, seed {}",
             save.run.scenario.name, save.run.steps, save.run.seed
@@ -65,10 +65,4 @@ fn check(path: &Path, library: &burgeon::assets::Library) -> Result<String, Fail
             format!("a run of {}, {} steps, seed {}", run.scenario.name, run.steps, run.seed)
         }
     })
-}
-
-fn is_save(path: &Path) -> bool {
-    use std::io::Read;
-    let mut start = [0; 8];
-    std::fs::File::open(path).and_then(|mut f| f.read_exact(&mut start)).is_ok() && &start == b"BURGEON\x1a"
 }

@@ -7,8 +7,9 @@ use burgeon::environment::Scene;
 use burgeon::environment::trace::Tracer;
 use burgeon::environment::workers::Workers;
 use burgeon::export::canvas::caption;
-use burgeon::export::film::{FilmSettings, save_gif, save_png};
+use burgeon::export::film::{FilmError, FilmSettings, save_gif, save_png};
 use burgeon::export::picture::{Bounds, Camera, Palette, PictureSettings, render};
+use image::RgbImage;
 
 use super::{Failure, output};
 
@@ -34,6 +35,9 @@ const FRAMES: usize = 120;
 /// Most pieces of wood and leaf kept for a film, about a gigabyte of them.
 const PIECES: usize = 16_000_000;
 
+/// Size and grain of a film's frames.
+pub const FILM: PictureSettings = PictureSettings { width: 360, height: 405, samples: 3 };
+
 /// Scenes of a film, as a run leaves them.
 #[derive(Default)]
 pub struct Reel {
@@ -58,34 +62,53 @@ impl Reel {
         }
     }
 
-    /// Draws and writes the film; the last scene is always its end.
-    pub fn save(
-        mut self,
-        last: (u32, Scene),
-        palette: &Palette,
-        workers: &Workers,
-        path: &Path,
-    ) -> Result<(), Failure> {
-        let end = last.1.clone();
-        if self.frames.last().is_none_or(|(step, _)| *step != last.0) {
-            self.frames.push(last);
+    /// Adds the end of the run, if it is not there yet.
+    pub fn end(&mut self, step: u32, scene: Scene) {
+        if self.frames.last().is_none_or(|(last, _)| *last != step) {
+            self.frames.push((step, scene));
         }
-        let settings = PictureSettings { width: 360, height: 405, samples: 3 };
-        let bounds = self.frames.iter().fold(Bounds::default(), |all, (_, s)| all.union(&Bounds::of(s)));
-        let camera = camera(&end, &bounds, settings.aspect());
-        let bar = output::progress(self.frames.len() as u64, "frame");
-        let images: Vec<_> = self
-            .frames
+    }
+
+    /// Room for every frame.
+    pub fn bounds(&self) -> Bounds {
+        self.frames.iter().fold(Bounds::default(), |all, (_, scene)| all.union(&Bounds::of(scene)))
+    }
+
+    /// The last scene.
+    pub fn last(&self) -> Option<&Scene> {
+        self.frames.last().map(|(_, scene)| scene)
+    }
+
+    /// Draws the frames, or only the last.
+    pub fn draw(
+        &self,
+        last_only: bool,
+        camera: &Camera,
+        palette: &Palette,
+        settings: PictureSettings,
+        workers: &Workers,
+    ) -> Vec<RgbImage> {
+        let first = if last_only { self.frames.len().saturating_sub(1) } else { 0 };
+        let frames = &self.frames[first..];
+        let bar = output::progress(frames.len() as u64, "frame");
+        let images = frames
             .iter()
             .map(|(step, scene)| {
-                let mut image = render(&Tracer::build(scene), &camera, palette, settings, workers);
+                let mut image = render(&Tracer::build(scene), camera, palette, settings, workers);
                 caption(&mut image, &format!("step {step}"), 1);
                 bar.inc(1);
                 image
             })
             .collect();
         bar.finish_and_clear();
-        Ok(save_gif(path, &images, FilmSettings::default())?)
+        images
+    }
+
+    /// Draws and writes the film.
+    pub fn save(&self, palette: &Palette, workers: &Workers, path: &Path) -> Result<(), Failure> {
+        let Some(last) = self.last() else { return Err(FilmError::NoFrames.into()) };
+        let camera = camera(last, &self.bounds(), FILM.aspect());
+        Ok(save_gif(path, &self.draw(false, &camera, palette, FILM, workers), FilmSettings::default())?)
     }
 }
 
@@ -97,8 +120,8 @@ pub fn save_picture(scene: &Scene, palette: &Palette, workers: &Workers, path: &
     Ok(save_png(path, &image)?)
 }
 
-/// The first of the views from which walls hide the fewest points of the plants.
-fn camera(scene: &Scene, bounds: &Bounds, aspect: f32) -> Camera {
+/// The first of the views from which walls hide hardly any of the plants, or else the one from which they hide least.
+pub fn camera(scene: &Scene, bounds: &Bounds, aspect: f32) -> Camera {
     let walls = Scene { solids: scene.solids.clone(), ground: scene.ground, ..Scene::default() };
     let tracer = Tracer::build(&walls);
     let every = scene.capsules.len().div_ceil(LOOKED_FOR).max(1);
@@ -107,6 +130,9 @@ fn camera(scene: &Scene, bounds: &Bounds, aspect: f32) -> Camera {
         let camera = Camera::framing(bounds, azimuth, elevation, aspect);
         let points = scene.capsules.iter().step_by(every).map(|wood| wood.to);
         let hidden = points.filter(|p| tracer.occluded(camera.eye, *p - camera.eye, 0.99, &[])).count();
+        if hidden <= LOOKED_FOR / 20 {
+            return camera;
+        }
         if best.as_ref().is_none_or(|(fewest, _)| hidden < *fewest) {
             best = Some((hidden, camera));
         }

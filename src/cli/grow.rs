@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 use burgeon::export::gltf::save_glb;
 use burgeon::export::picture::Palette;
 use burgeon::export::tables::{save_organs, save_steps};
-use burgeon::files::{RunFile, StepHashes, read_save, write_save};
-use burgeon::scenario::{Garden, GardenError, GardenSave};
+use burgeon::files::{RunFile, SaveError, StepHashes};
+use burgeon::scenario::{Garden, GardenError, SavedRun};
 use clap::Args;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::film::{Reel, save_picture};
 use super::input::Input;
@@ -45,15 +45,6 @@ pub struct Grow {
     /// Grow one tree for each seed, such as 1..100, into one table seeds.csv with mean and spread.
     #[arg(long, value_name = "FIRST..LAST", conflicts_with_all = ["seed", "timelapse", "save"])]
     seeds: Option<SeedRange>,
-}
-
-/// A garden in the middle of a run: what `--save` writes.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct SavedRun {
-    /// How it began and what it was at each step.
-    pub run: RunFile,
-    /// What it is.
-    pub garden: GardenSave,
 }
 
 #[derive(Serialize)]
@@ -136,6 +127,7 @@ impl Grow {
 
     fn grow(&self) -> Result<(), Failure> {
         let (mut growing, steps, again) = self.begin()?;
+        growing.garden.set_limits(self.input.common.limits());
         let mut names = vec!["tree.png", "tree.glb", "organs.csv", "steps.csv", "run.ron"];
         if self.timelapse {
             names.push("growth.gif");
@@ -155,18 +147,18 @@ impl Grow {
         let snapshot = growing.garden.snapshot();
         let scene = growing.garden.scene();
         let palette = Palette::of_snapshot(&snapshot);
-        let workers = self.input.workers()?;
+        let workers = self.input.common.workers()?;
         folder.text("run.ron", &growing.run.to_ron())?;
         save_steps(growing.garden.records(), &folder.file("steps.csv"))?;
         save_organs(&snapshot, &folder.file("organs.csv"))?;
         save_glb(&snapshot, &folder.file("tree.glb"))?;
         save_picture(&scene, &palette, &workers, &folder.file("tree.png"))?;
         if self.timelapse {
-            reel.save((growing.garden.steps(), scene), &palette, &workers, &folder.file("growth.gif"))?;
+            reel.end(growing.garden.steps(), scene);
+            reel.save(&palette, &workers, &folder.file("growth.gif"))?;
         }
         if let Some(path) = &self.save {
-            let save = SavedRun { run: growing.run.clone(), garden: growing.garden.save() };
-            write_save(path, &save)?;
+            SavedRun::new(growing.run.clone(), growing.garden.save()).write(path)?;
         }
 
         let difference = again.as_ref().map(|hashes| hashes.first_difference(&growing.run.hashes));
@@ -180,12 +172,13 @@ impl Grow {
 
     /// The garden as it begins, the steps it shall have, and the hashes it shall meet.
     fn begin(&self) -> Result<(Growing, u32, Option<StepHashes>), Failure> {
-        let workers = self.input.workers()?;
+        let workers = self.input.common.workers()?;
         let new = |garden, run| Growing { garden, run, stopped: None, seconds: 0.0 };
         if let Some(path) = &self.resume {
-            let SavedRun { run, garden } = read_save(path)?;
-            let garden = Garden::resume(garden, workers);
-            let steps = self.input.steps.unwrap_or(run.scenario.steps);
+            let SavedRun { run, garden, .. } = SavedRun::read(path)?;
+            let garden = Garden::resume(garden, workers)
+                .map_err(|source| SaveError::Unsound { file: path.display().to_string(), source })?;
+            let steps = self.input.common.steps.unwrap_or(run.scenario.steps);
             if steps < garden.steps() {
                 return Err(Failure::Usage(format!(
                     "{} has grown {} steps already; --steps counts them all",

@@ -1,11 +1,12 @@
 //! What a command grows: scenario, seed, settings, threads.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use burgeon::assets::{Library, Opened};
 use burgeon::environment::workers::Workers;
 use burgeon::files::{ResolvedScenario, RunFile};
-use burgeon::limits;
+use burgeon::limits::{self, GrowthLimits};
 use clap::Args;
 
 use super::Failure;
@@ -21,6 +22,13 @@ pub struct Input {
     /// A scenario by name, a scenario file, or the run.ron of an earlier run [default: wall].
     scenario: Option<String>,
 
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// How it is grown, whatever it is.
+#[derive(Args, Debug, Clone, Default)]
+pub struct Common {
     /// Steps to grow; of a resumed run, all of them together [default: the scenario's].
     #[arg(long, value_parser = clap::value_parser!(u32).range(0..=i64::from(limits::STEPS)))]
     pub steps: Option<u32>,
@@ -37,9 +45,35 @@ pub struct Input {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     set: Vec<String>,
 
+    /// Stop when this much is reached and keep what has grown: organs=N, probes=N, steps=N or memory=BYTES.
+    #[arg(long = "limit", value_name = "WHAT=N")]
+    limits: Vec<Limit>,
+
     /// A folder whose species/NAME.ron and scenarios/NAME.ron win over those built in.
     #[arg(long, value_name = "DIR")]
     assets: Option<PathBuf>,
+}
+
+/// A limit set on the command line.
+#[derive(Debug, Clone, Copy)]
+struct Limit(fn(&mut GrowthLimits) -> &mut usize, usize);
+
+impl FromStr for Limit {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || "organs=N, probes=N, steps=N or memory=BYTES, N a whole number".to_string();
+        let (what, most) = text.split_once('=').ok_or_else(wrong)?;
+        let most = most.parse().map_err(|_| wrong())?;
+        let field: fn(&mut GrowthLimits) -> &mut usize = match what {
+            "organs" => |limits| &mut limits.organs,
+            "probes" => |limits| &mut limits.probes,
+            "steps" => |limits| &mut limits.steps,
+            "memory" => |limits| &mut limits.memory,
+            _ => return Err(wrong()),
+        };
+        Ok(Self(field, most))
+    }
 }
 
 /// What will be grown.
@@ -55,9 +89,15 @@ pub struct Plan {
 }
 
 impl Input {
+    /// A scenario grown like others.
+    pub fn of(scenario: &str, common: &Common) -> Self {
+        Self { scenario: Some(scenario.into()), common: common.clone() }
+    }
+
     /// Reads and checks everything; writes nothing.
     pub fn plan(&self) -> Result<Plan, Failure> {
-        let opened = library(&self.assets)?.open(self.scenario.as_deref().unwrap_or(DEFAULT_SCENARIO))?;
+        let opened =
+            library(&self.common.assets)?.open(self.scenario.as_deref().unwrap_or(DEFAULT_SCENARIO))?;
         let (mut resolved, steps, seed, run) = match opened {
             Opened::Scenario(resolved) => {
                 let steps = resolved.scenario.steps;
@@ -65,18 +105,30 @@ impl Input {
             }
             Opened::Run(run) => (run.resolved(), run.steps, run.seed, Some(run)),
         };
-        for setting in &self.set {
+        for setting in &self.common.set {
             resolved.apply_set(setting)?;
         }
         // `--set scenario.steps` counts as the scenario's own.
         let steps = if run.is_none() { resolved.scenario.steps } else { steps };
-        let changed = !self.set.is_empty() || self.seed.is_some_and(|s| s != seed);
+        let Common { set, steps: steps_set, seed: seed_set, .. } = &self.common;
+        let changed = !set.is_empty() || seed_set.is_some_and(|s| s != seed);
         Ok(Plan {
             resolved,
-            steps: self.steps.unwrap_or(steps),
-            seed: self.seed.unwrap_or(seed),
+            steps: steps_set.unwrap_or(steps),
+            seed: seed_set.unwrap_or(seed),
             again: run.filter(|_| !changed),
         })
+    }
+}
+
+impl Common {
+    /// What a garden may take.
+    pub fn limits(&self) -> GrowthLimits {
+        let mut limits = GrowthLimits::default();
+        for Limit(field, most) in &self.limits {
+            *field(&mut limits) = *most;
+        }
+        limits
     }
 
     /// The threads asked for.

@@ -4,10 +4,13 @@ use std::str::FromStr;
 
 use bevy::math::Vec3;
 use burgeon::environment::cube_map::{CubeFace, CubeMap};
+use burgeon::environment::sense::fitness_given_away;
 use burgeon::environment::trace::Tracer;
+use burgeon::environment::workers::Workers;
 use burgeon::export::film::save_png;
 use burgeon::export::picture::{CubeMapView, Palette, cube_map_picture};
 use burgeon::files::{FARTHEST_M, RunFile, StepHashes};
+use burgeon::growth::sensing::{SensingJob, gather_probes};
 use burgeon::limits;
 use burgeon::scenario::Garden;
 use clap::Args;
@@ -28,8 +31,13 @@ pub struct ProbeAt {
     output: Output,
 
     /// From where: metres, y up.
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    at: Point,
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, required_unless_present = "given_away")]
+    at: Option<Point>,
+
+    /// Instead, measure over all buds that will grow how much fitness is given away by comparing their candidates
+    /// in one re-projected map against a map at each.
+    #[arg(long, conflicts_with = "at")]
+    given_away: bool,
 
     /// Texels along the side of a face.
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=i64::from(limits::FACE)))]
@@ -78,23 +86,65 @@ struct Face {
     mean_depth_m: f32,
 }
 
+/// What comparing candidates the fast way gives away, in a grown garden.
+#[derive(Serialize)]
+struct GivenAwayBy {
+    scenario: String,
+    seed: u64,
+    steps: u32,
+    /// Buds that will grow.
+    searches: usize,
+    /// By the slow way's own measure.
+    mean_fitness_given_away: f32,
+    worst_fitness_given_away: f32,
+    /// From the best to the worst candidate.
+    mean_spread: f32,
+    same_candidate: f32,
+}
+
+impl GivenAwayBy {
+    fn measure(garden: &mut Garden) -> Self {
+        let (scenario, seed, steps) = (garden.scenario().name.clone(), garden.seed(), garden.steps());
+        let world = garden.world_mut();
+        gather_probes(world);
+        let (job, workers) = (world.resource::<SensingJob>(), world.resource::<Workers>());
+        let given = fitness_given_away(&Tracer::build(&job.scene), &job.requests, &job.settings, workers);
+        Self {
+            scenario,
+            seed,
+            steps,
+            searches: given.searches,
+            mean_fitness_given_away: given.mean_loss,
+            worst_fitness_given_away: given.worst_loss,
+            mean_spread: given.mean_spread,
+            same_candidate: given.agreement,
+        }
+    }
+}
+
 impl ProbeAt {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
         let plan = self.input.plan()?;
         let name = plan.resolved.scenario.name.clone();
-        let mut folder = self.output.folder(&format!("{name}_probe"), &["probe.png"])?;
-        let garden = Garden::new(plan.resolved.clone(), plan.seed, self.input.workers()?)?;
+        let files: &[&str] = if self.given_away { &[] } else { &["probe.png"] };
+        let mut folder = self.output.folder(&format!("{name}_probe"), files)?;
+        let mut garden = Garden::new(plan.resolved.clone(), plan.seed, self.input.common.workers()?)?;
+        garden.set_limits(self.input.common.limits());
         let run = RunFile::new(&plan.resolved, plan.seed, 0, StepHashes::default());
         let mut growing = Growing { garden, run, stopped: None, seconds: 0.0 };
         growing.grow(plan.steps, |_, _| {});
 
+        let Some(Point(at)) = self.at else {
+            say(serde_json::to_string_pretty(&GivenAwayBy::measure(&mut growing.garden)).unwrap_or_default());
+            return growing.stopped.map_or(Ok(()), |stopped| Err(stopped.into()));
+        };
         let snapshot = growing.garden.snapshot();
         let range = snapshot.plants.iter().flatten().next().map_or(1.0, |p| p.species.space_range_m);
         let scene = growing.garden.scene();
         let tracer = Tracer::build(&scene);
         let weight = plan.resolved.scenario.sensing.weight;
-        let map = CubeMap::render(&tracer, self.at.0, self.face_size, &[]);
+        let map = CubeMap::render(&tracer, at, self.face_size, &[]);
         let view = CubeMapView { range, weight, ..CubeMapView::default() };
         let picture = cube_map_picture(&map, &tracer, &Palette::of_snapshot(&snapshot), view);
         folder.create()?;
@@ -113,7 +163,7 @@ impl ProbeAt {
             scenario: &name,
             seed: plan.seed,
             steps: growing.garden.steps(),
-            at: self.at.0.into(),
+            at: at.into(),
             face_size: self.face_size,
             space_range_m: range,
             light: map.light(&tracer, &[]),

@@ -89,9 +89,10 @@ pub fn run(input: &Input, output: &Output, seeds: SeedRange, json: bool) -> Resu
     let mut folder = output.folder(&format!("{}_seeds", plan.resolved.scenario.name), &["seeds.csv"])?;
     let count = (seeds.last - seeds.first + 1) as usize;
     let bar = progress(count as u64, "tree");
-    let trees = input.workers()?.map(count, |i| {
+    let trees = input.common.workers()?.map(count, |i| {
         let seed = seeds.first + i as u64;
         let mut garden = Garden::new(plan.resolved.clone(), seed, Workers::new(1)?)?;
+        garden.set_limits(input.common.limits());
         let mut stopped = None;
         while garden.steps() < plan.steps && stopped.is_none() {
             stopped = garden.step().err();

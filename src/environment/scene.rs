@@ -232,6 +232,15 @@ impl SolidShape {
         }
     }
 
+    /// Radius of a ball about its centre that holds all of it, metres.
+    pub fn bound(&self) -> f32 {
+        match *self {
+            Self::Box { size } => 0.5 * size.length(),
+            Self::Ball { radius } => radius.abs(),
+            Self::Cylinder { radius, height } => radius.abs() + 0.5 * height.abs(),
+        }
+    }
+
     /// Its kind and sizes as bits, to sort by.
     pub(super) fn bits(&self) -> [u32; 4] {
         match *self {

@@ -1,5 +1,7 @@
 //! Threads of our own, as many as wanted: results never depend on how many.
 
+use std::sync::Arc;
+
 use bevy::prelude::*;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
@@ -27,10 +29,11 @@ pub enum WorkersError {
 }
 
 /// The threads that sense, a resource. The global pools cannot be resized; this one is replaced.
-#[derive(Resource, Debug)]
+/// A clone works with the same threads.
+#[derive(Resource, Debug, Clone)]
 pub struct Workers {
     /// None: the calling thread does the work.
-    pool: Option<ThreadPool>,
+    pool: Option<Arc<ThreadPool>>,
 }
 
 impl Default for Workers {
@@ -55,14 +58,14 @@ impl Workers {
                 .num_threads(wanted)
                 .thread_name(|i| format!("burgeon worker {i}"))
                 .build()
-                .map(|pool| Self { pool: Some(pool) })
+                .map(|pool| Self { pool: Some(Arc::new(pool)) })
                 .map_err(|source| WorkersError::Refused { wanted, source }),
         }
     }
 
     /// How many threads work.
     pub fn threads(&self) -> usize {
-        self.pool.as_ref().map_or(1, ThreadPool::current_num_threads)
+        self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
     /// `task(0)` to `task(n - 1)`, results by index.

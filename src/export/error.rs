@@ -1,8 +1,10 @@
 //! What can go wrong when something is written.
 
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
+
+use crate::files::replace_file;
 
 /// Why a model or table was not written.
 #[derive(Debug, thiserror::Error)]
@@ -51,15 +53,10 @@ impl From<serde_json::Error> for ExportError {
     }
 }
 
-/// Creates or replaces a file and has it written through a buffer.
+/// Has a whole file written, or leaves what was there.
 pub(super) fn to_file(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), ExportError>,
 ) -> Result<(), ExportError> {
-    let whole = || {
-        let mut writer = BufWriter::new(File::create(path)?);
-        write(&mut writer)?;
-        Ok(writer.flush()?)
-    };
-    whole().map_err(|error: ExportError| error.at(path))
+    replace_file(path, write).map_err(|error: ExportError| error.at(path))
 }

@@ -2,13 +2,13 @@
 
 mod quantize;
 
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use gif::{DisposalMethod, Encoder, Frame, Repeat};
 use image::RgbImage;
 
+use crate::files::write_whole;
 use quantize::Quantizer;
 
 /// Why a film or picture could not be written.
@@ -92,7 +92,7 @@ pub fn write_gif<W: Write>(writer: W, frames: &[RgbImage], settings: FilmSetting
             let color = match shown.get(at) {
                 Some(old) if colors.is_near(*old, pixel.0, settings.tolerance) => continue,
                 old => {
-                    let new = colors.nearest(pixel.0);
+                    let new = colors.nearest(dithered(pixel.0, at as u32 % width, at as u32 / width));
                     if old == Some(&new) {
                         continue;
                     }
@@ -132,6 +132,20 @@ pub fn write_gif<W: Write>(writer: W, frames: &[RgbImage], settings: FilmSetting
     Ok(())
 }
 
+/// A colour pushed a little up or down by its place, so that few colours show a clear sky without bands. The same
+/// place is always pushed the same way: nothing flickers.
+fn dithered(color: [u8; 3], x: u32, y: u32) -> [u8; 3] {
+    /// Half a push, of 255.
+    const REACH: i16 = 5;
+    // Bits of x and x ^ y in turn, the coarse ones last: Bayer's order of an 8 x 8 square.
+    let order = (0..3).fold(0, |order, bit| {
+        let (x, y) = (x >> bit & 1, y >> bit & 1);
+        order << 2 | (x ^ y) << 1 | y
+    });
+    let push = (order as i16 * 2 - 63) * REACH / 63;
+    color.map(|c| (i16::from(c) + push).clamp(0, 255) as u8)
+}
+
 /// Saves a film as [`write_gif`] writes it; a file already there is replaced only when all went well.
 ///
 /// # Errors
@@ -152,18 +166,8 @@ pub fn save_png(path: &Path, image: &RgbImage) -> Result<(), FilmError> {
     replace_file(path, bytes.get_ref())
 }
 
-/// Writes beside the file, then puts it in place.
 fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), FilmError> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    let part = path.with_file_name(name);
-    let write = || {
-        let mut file = fs::File::create(&part)?;
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        fs::rename(&part, path)
-    };
-    write().map_err(|source| FilmError::Io { path: path.into(), source })
+    write_whole(path, &[bytes]).map_err(|source| FilmError::Io { path: path.into(), source })
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::source::split_path;
 use super::species::{NAME, TEXT, is_name, is_text};
 use crate::environment::SolidShape;
 use crate::limits;
-use crate::scenario::{Edit, PlacedLamp, PlacedSolid, PlacedSun, Planting, Scenario};
+use crate::scenario::{Edit, PlacedLamp, PlacedSolid, PlacedSun, Planting, Scenario, TimedEdit};
 use crate::species::Species;
 use crate::species::parameter::{Color, ParameterError, ParameterType};
 
@@ -31,8 +31,7 @@ impl Scenario {
         top.count("solids", self.solids.len(), limits::SOLIDS)?;
         top.count("lamps", self.lamps.len(), limits::LAMPS)?;
         top.count("edits", self.edits.len(), limits::EDITS)?;
-        let mut inventory =
-            Inventory { named: BTreeMap::new(), plants: Vec::new(), species: BTreeSet::new() };
+        let mut inventory = Inventory::default();
         for (i, plant) in self.plants.iter().enumerate() {
             Checker::at(format!("plants[{i}]")).plant(plant)?;
             inventory.plants.push(true);
@@ -41,12 +40,12 @@ impl Scenario {
         for (i, solid) in self.solids.iter().enumerate() {
             let check = Checker::at(format!("solids[{i}]"));
             check.solid(solid)?;
-            inventory.place(&check, &solid.name, false)?;
+            inventory.place(&check, "name", &solid.name, false)?;
         }
         for (i, lamp) in self.lamps.iter().enumerate() {
             let check = Checker::at(format!("lamps[{i}]"));
             check.lamp(lamp)?;
-            inventory.place(&check, &lamp.name, true)?;
+            inventory.place(&check, "name", &lamp.name, true)?;
         }
         Checker::at("sky").number("strength", &self.sky.strength)?;
         if let Some(sun) = &self.sun {
@@ -57,11 +56,36 @@ impl Scenario {
         let mut order: Vec<usize> = (0..self.edits.len()).collect();
         order.sort_by_key(|i| self.edits[*i].step);
         for i in order {
-            Checker::at(format!("edits[{i}]")).number("step", &self.edits[i].step)?;
-            inventory.edit(i, &self.edits[i].edit)?;
+            inventory.timed(i, &self.edits[i])?;
         }
-        top.count("lamps", inventory.named.values().filter(|lamp| **lamp).count(), limits::LAMPS)?;
-        top.count("solids", inventory.named.values().filter(|lamp| !**lamp).count(), limits::SOLIDS)
+        inventory.count(&top)
+    }
+
+    /// Leaves out every edit that names what does not stand there at its step, as edits do whose ground an earlier
+    /// one took away. Of a scenario whose rest is sound, what is left is sound.
+    pub(crate) fn leave_out_unsound_edits(&mut self) {
+        let mut inventory = Inventory::of(self);
+        self.order_edits();
+        self.edits.retain(|edit| inventory.timed(0, edit).is_ok());
+    }
+
+    /// Checks an edit that follows others, given in order; of those, what names what is not there counts for
+    /// nothing. The scenario's own edits are not looked at.
+    pub(crate) fn check_edit<'a>(
+        &self,
+        before: impl Iterator<Item = &'a TimedEdit>,
+        edit: &TimedEdit,
+    ) -> Result<(), ScenarioError> {
+        let mut inventory = Inventory::of(self);
+        let mut count = 0;
+        for earlier in before {
+            count += 1;
+            let _ = inventory.timed(0, earlier);
+        }
+        inventory.timed(count, edit)?;
+        let top = Checker::at("");
+        top.count("edits", count + 1, limits::EDITS)?;
+        inventory.count(&top)
     }
 }
 
@@ -156,6 +180,7 @@ impl Checker {
 }
 
 /// What stands there at a step, as far as edits can know before anything grows.
+#[derive(Default)]
 struct Inventory {
     /// By name, whether it is a lamp.
     named: BTreeMap<String, bool>,
@@ -165,27 +190,68 @@ struct Inventory {
 }
 
 impl Inventory {
+    /// What stands at the start of a sound scenario.
+    fn of(scenario: &Scenario) -> Self {
+        let named = scenario.solids.iter().map(|solid| (solid.name.clone(), false));
+        Self {
+            named: named.chain(scenario.lamps.iter().map(|lamp| (lamp.name.clone(), true))).collect(),
+            plants: vec![true; scenario.plants.len()],
+            species: scenario.plants.iter().map(|plant| plant.species.clone()).collect(),
+        }
+    }
+
+    /// Checks that there is not too much of anything.
+    fn count(&self, top: &Checker) -> Result<(), ScenarioError> {
+        let lamps = self.named.values().filter(|lamp| **lamp).count();
+        top.count("lamps", lamps, limits::LAMPS)?;
+        top.count("solids", self.named.len() - lamps, limits::SOLIDS)
+    }
+
+    fn timed(&mut self, index: usize, timed: &TimedEdit) -> Result<(), ScenarioError> {
+        Checker::at(format!("edits[{index}]")).number("step", &timed.step)?;
+        self.edit(index, &timed.edit)
+    }
+
     fn edit(&mut self, index: usize, edit: &Edit) -> Result<(), ScenarioError> {
         let check = |kind| Checker::within(index, kind);
         match edit {
             Edit::Plant(plant) => {
                 check("Plant").plant(plant)?;
+                Checker::at("").count("plants", self.plants.len() + 1, limits::PLANTS)?;
                 self.plants.push(true);
                 self.species.insert(plant.species.clone());
-                Checker::at("").count("plants", self.plants.len(), limits::PLANTS)
+                Ok(())
             }
             Edit::PlaceSolid(solid) => {
                 check("PlaceSolid").solid(solid)?;
-                self.place(&check("PlaceSolid"), &solid.name, false)
+                self.place(&check("PlaceSolid"), "name", &solid.name, false)
             }
             Edit::PlaceLamp(lamp) => {
                 check("PlaceLamp").lamp(lamp)?;
-                self.place(&check("PlaceLamp"), &lamp.name, true)
+                self.place(&check("PlaceLamp"), "name", &lamp.name, true)
             }
             Edit::Move { name, to, turn_deg } => {
                 self.known(&check(""), name, false)?;
                 check("").vector("to", *to)?;
                 check("").number("turn_deg", turn_deg)
+            }
+            Edit::Pose { name, to, rotation_deg, scale } => {
+                self.known(&check(""), name, false)?;
+                check("").vector("to", *to)?;
+                check("").vector("rotation_deg", *rotation_deg)?;
+                check("").vector("scale", *scale)
+            }
+            Edit::Duplicate { name, copy, to } => {
+                self.known(&check(""), name, false)?;
+                check("").vector("to", *to)?;
+                check("").name("copy", copy)?;
+                let lamp = self.named.get(name).copied().unwrap_or_default();
+                self.place(&check(""), "copy", copy, lamp)
+            }
+            Edit::Shine { name, strength, radius } => {
+                self.known(&check(""), name, true)?;
+                check("").number("strength", strength)?;
+                check("").number("radius", radius)
             }
             Edit::Switch { name, .. } => self.known(&check(""), name, true),
             Edit::Remove { name } => {
@@ -209,11 +275,13 @@ impl Inventory {
         }
     }
 
-    fn place(&mut self, check: &Checker, name: &str, lamp: bool) -> Result<(), ScenarioError> {
-        match self.named.insert(name.into(), lamp) {
-            None => Ok(()),
-            Some(_) => check.fail("name", format!("{name:?}"), "a name nothing else has"),
+    /// Changes nothing if the name is taken.
+    fn place(&mut self, check: &Checker, field: &str, name: &str, lamp: bool) -> Result<(), ScenarioError> {
+        if self.named.contains_key(name) {
+            return check.fail(field, format!("{name:?}"), "a name nothing else has");
         }
+        self.named.insert(name.into(), lamp);
+        Ok(())
     }
 
     fn known(&self, check: &Checker, name: &str, lamp: bool) -> Result<(), ScenarioError> {

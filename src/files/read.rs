@@ -1,8 +1,9 @@
 //! Reading text files within limits, and writing whole files or none.
 
 use std::fs::{self, File};
-use std::io::{self, Read, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::{Component, Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::{FileError, Place};
 use crate::limits;
@@ -56,24 +57,41 @@ pub fn inside(folder: &Path, path: &str, at: &Place) -> Result<PathBuf, FileErro
     Ok(file)
 }
 
-/// Writes a whole file or leaves what was there: a temporary file in the same folder, flushed, then renamed.
+/// Writes a whole file or leaves what was there, as [`replace_file`] does.
 ///
 /// # Errors
-/// If any of that fails; the old file is untouched then.
+/// As [`replace_file`].
 pub fn write_whole(path: &Path, bytes: &[&[u8]]) -> io::Result<()> {
+    replace_file(path, |file| bytes.iter().try_for_each(|part| file.write_all(part)))
+}
+
+/// Has a whole file written or leaves what was there: a temporary file in the same folder, flushed, then renamed.
+///
+/// # Errors
+/// If `write` fails, or the folder does not take the file, or something that is no file stands in its place;
+/// what was there is untouched then.
+pub fn replace_file<E: From<io::Error>>(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
+) -> Result<(), E> {
+    // Two writers of one file must not share a temporary one, even within this program.
+    static WRITERS: AtomicU32 = AtomicU32::new(0);
     let name = path.file_name().ok_or_else(|| io::Error::other("not a file name"))?;
+    // A rename would put a plain file in the place of a device.
+    if fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+        return Err(io::Error::other("something that is not a file is in its place").into());
+    }
     let mut temporary = std::ffi::OsString::from(".");
     temporary.push(name);
-    temporary.push(format!(".{}.part", std::process::id()));
+    temporary.push(format!(".{}.{}.part", std::process::id(), WRITERS.fetch_add(1, Ordering::Relaxed)));
     let temporary = path.with_file_name(temporary);
-    let written = (|| {
-        let mut file = File::create(&temporary)?;
-        for part in bytes {
-            file.write_all(part)?;
-        }
-        file.sync_all()?;
-        fs::rename(&temporary, path)
-    })();
+    let whole = || {
+        let mut file = BufWriter::new(File::create(&temporary)?);
+        write(&mut file)?;
+        file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+        Ok(fs::rename(&temporary, path)?)
+    };
+    let written = whole();
     if written.is_err() {
         // Best effort: the error worth telling is the first one.
         let _ = fs::remove_file(&temporary);

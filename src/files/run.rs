@@ -57,6 +57,11 @@ impl StepHashes {
         self.0.get(&step).map(|h| h.0)
     }
 
+    /// Every step kept and its hash, in order.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, u64)> {
+        self.0.iter().map(|(step, hash)| (*step, hash.0))
+    }
+
     /// The last step kept and its hash.
     pub fn last(&self) -> Option<(u32, u64)> {
         self.0.last_key_value().map(|(step, hash)| (*step, hash.0))

@@ -17,6 +17,7 @@ use serde::de::DeserializeOwned;
 
 use super::read::write_whole;
 use crate::limits;
+use crate::scenario::GardenSaveError;
 
 const MAGIC: [u8; 8] = *b"BURGEON\x1a";
 const VERSION: u32 = 1;
@@ -89,6 +90,14 @@ pub enum SaveError {
         /// What does not fit.
         reason: String,
     },
+    /// It is whole, but no garden can be in such a state.
+    #[error("{file}: not a garden that can grow on: {source}")]
+    Unsound {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        source: GardenSaveError,
+    },
 }
 
 fn checksum(header: &[u8], payload: &[u8]) -> u32 {
@@ -135,6 +144,12 @@ pub fn read_save<T: DeserializeOwned>(path: &Path) -> Result<T, SaveError> {
     let mut bytes = Vec::new();
     reader.by_ref().take(most).read_to_end(&mut bytes).map_err(io)?;
     decode(&bytes, file)
+}
+
+/// Whether a file begins as a save does.
+pub fn is_save(path: &Path) -> bool {
+    let mut start = [0; MAGIC.len()];
+    File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == MAGIC
 }
 
 fn decode<T: DeserializeOwned>(bytes: &[u8], file: String) -> Result<T, SaveError> {

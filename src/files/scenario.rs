@@ -101,9 +101,20 @@ static TABLE: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
         choice("sensing.mode", &["MapPerCandidate", "Reprojected"], "Reprojected", "How positions compare."),
         choice("sensing.weight", &["Alike", "SolidAngle"], "Alike", "How texels count."),
         whole("edits[].step", 0, "steps", Range::whole(0, limits::STEPS), "Made when this many are grown."),
-        text("edits[].edit.name", "", "What is moved, switched or removed."),
+        text("edits[].edit.name", "", "What is moved, copied, changed, switched or removed."),
         place("edits[].edit.to", Vec3::ZERO, "Its new centre."),
         turn("edits[].edit.turn_deg"),
+        row(
+            "edits[].edit.rotation_deg",
+            Value::List(vec![0.0; 3]),
+            "deg",
+            Range::real(-360.0, 360.0),
+            "Its new turn about x, y and z.",
+        ),
+        row("edits[].edit.scale", Value::List(vec![1.0; 3]), "", Range::real(0.01, 100.0), "Its new scale."),
+        text("edits[].edit.copy", "", "The name of the copy."),
+        real("edits[].edit.strength", lamp.strength, "", Range::real(0.0, 1.0e6), "Radiance, in full skies."),
+        real("edits[].edit.radius", lamp.radius, "m", Range::real(0.001, 100.0), "Radius of the lamp."),
         flag("edits[].edit.on", true, "On or off."),
         whole("edits[].edit.plant", 0, "", Range::any(), "The plant, in the order of planting, from 0."),
         whole("edits[].edit.lineage", 0, "", Range::any(), "Lineage of the organ to cut."),
@@ -147,13 +158,14 @@ pub(crate) fn row(path: &[String], edit: &str) -> Option<&'static Parameter> {
 
 pub(crate) fn words(parameter: &Parameter) -> String {
     match parameter.name.rsplit('.').next().unwrap_or_default() {
-        "name" | "species" | "parameter" | "value" => NAME.into(),
+        "name" | "copy" | "species" | "parameter" | "value" => NAME.into(),
         "description" => TEXT.into(),
         "seed" | "lineage" => "a whole number below 2^64".into(),
         "plant" => "a whole number below 2^32".into(),
         "shape" => "Box(size: (x, y, z)) | Ball(radius: r) | Cylinder(radius: r, height: h)".into(),
-        "at" | "to" | "size" => format!("three numbers, each {}", parameter.range),
-        "color" => format!("three numbers, each {}", parameter.range),
+        "at" | "to" | "size" | "rotation_deg" | "scale" | "color" => {
+            format!("three numbers, each {}", parameter.range)
+        }
         _ => parameter.allowed(),
     }
 }

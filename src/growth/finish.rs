@@ -5,7 +5,7 @@ use std::time::Instant;
 use bevy::prelude::*;
 
 use super::StepCount;
-use crate::plant::{Allotment, EnergyLedger, EnergyStore, Roster};
+use crate::plant::{Allotment, EnergyLedger, EnergyStore, OrganKind, Roster};
 
 /// Seconds each stage of the last step took. Growth never reads it.
 #[derive(Resource, Debug, Default, Clone)]
@@ -41,7 +41,7 @@ pub fn close_books(
     mut books: Query<(&EnergyStore, &mut EnergyLedger)>,
 ) {
     let mut held = vec![0.0_f64; roster.plants.len()];
-    for i in 0..roster.len() {
+    for i in (0..roster.len()).filter(|&i| roster.kind[i] != OrganKind::Internode) {
         if let Ok(allotment) = allotments.get(roster.entity[i]) {
             held[roster.plant[i] as usize] += f64::from(allotment.0);
         }

@@ -131,27 +131,20 @@ pub fn derive_poses(
             Pose { position: transform.translation, rotation: transform.rotation }
         })
         .collect();
-    let mut links = Vec::with_capacity(roster.len());
+    let mut stems: Vec<pose::Stem> = Vec::with_capacity(roster.len());
     for i in 0..roster.len() {
-        let (attachment, length, radius) = match organs.get(roster.entity[i]) {
-            Ok((a, Some(internode), _)) => (a.0, internode.length, internode.radius),
-            Ok((a, None, _)) => (a.0, 0.0, 0.0),
-            Err(_) => (Quat::IDENTITY, 0.0, 0.0),
+        let sits_on_bark = matches!(roster.kind[i], OrganKind::Leaf | OrganKind::LateralBud);
+        let below = match roster.parent[i] {
+            NO_PARENT => pose::Stem { pose: roots[roster.plant[i] as usize], ..Default::default() },
+            parent => stems[parent as usize],
         };
-        links.push((pose::Link { parent: roster.parent[i], attachment, length, offset: 0.0 }, radius));
-    }
-    for i in 0..links.len() {
-        if matches!(roster.kind[i], OrganKind::Leaf | OrganKind::LateralBud) && links[i].0.parent != NO_PARENT
-        {
-            links[i].0.offset = links[links[i].0.parent as usize].1;
-        }
-    }
-    let links: Vec<pose::Link> = links.into_iter().map(|(link, _)| link).collect();
-    let poses = pose::derive(&links, |i| roots[roster.plant[i] as usize]);
-    for (i, derived) in poses.into_iter().enumerate() {
-        if let Ok((_, _, mut pose)) = organs.get_mut(roster.entity[i]) {
-            *pose = derived;
-        }
+        let Ok((attachment, internode, mut pose)) = organs.get_mut(roster.entity[i]) else {
+            stems.push(below);
+            continue;
+        };
+        *pose = below.bear(attachment.0, sits_on_bark);
+        let (length, radius) = internode.map_or((0.0, 0.0), |wood| (wood.length, wood.radius));
+        stems.push(pose::Stem { pose: *pose, length, radius });
     }
 }
 

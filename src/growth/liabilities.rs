@@ -110,14 +110,6 @@ pub fn to_shed(
     shed
 }
 
-/// Whether a side axis begins with organ `i`: a stem of higher order than the one it grows from. The shoots of a
-/// fork go on as their parent's axis and are no side axes.
-fn begins_side_axis(roster: &Roster, i: usize, order: impl Fn(usize) -> Option<u32>) -> bool {
-    roster.kind[i] == OrganKind::Internode
-        && roster.parent[i] != NO_PARENT
-        && order(i) > order(roster.parent[i] as usize)
-}
-
 /// Condemns liabilities while upkeep is unpaid, side axes that have been poor for too long, and buds out of
 /// patience.
 #[allow(clippy::type_complexity, clippy::too_many_arguments, reason = "a system names what it reads")]
@@ -127,33 +119,35 @@ pub fn shed_liabilities(
     roster: Res<Roster>,
     mut condemned: ResMut<Condemned>,
     plants: Query<(&Plant, &EnergyLedger)>,
-    mut organs: Query<(
-        &EnergyFlow,
-        &GrowthSpan,
-        Option<&Exposure>,
-        Option<&ApicalBud>,
-        Option<&mut Internode>,
-        &BranchOrder,
-    )>,
+    organs: Query<(&EnergyFlow, &BranchOrder, Option<&Exposure>)>,
+    buds: Query<&ApicalBud>,
+    mut stems: Query<(&GrowthSpan, &mut Internode)>,
 ) {
     if !mechanisms.energy {
         return;
     }
-    let accounts: Vec<Account> = (0..roster.len())
-        .map(|i| {
-            let organ = organs.get(roster.entity[i]).ok();
-            Account {
-                parent: roster.parent[i],
-                kind: roster.kind[i],
-                begins_axis: begins_side_axis(&roster, i, |i| {
-                    organs.get(roster.entity[i]).ok().map(|o| o.5.0)
-                }),
-                income: organ.map_or(0.0, |o| o.0.income),
-                upkeep: organ.map_or(0.0, |o| o.0.upkeep),
-                sensed: organ.is_none_or(|o| o.2.is_none_or(|e| e.sensed)),
-            }
-        })
-        .collect();
+    let mut accounts: Vec<Account> = Vec::with_capacity(roster.len());
+    let mut orders: Vec<u32> = Vec::with_capacity(roster.len());
+    for i in 0..roster.len() {
+        let (parent, kind) = (roster.parent[i], roster.kind[i]);
+        let (flow, order, exposure) = match organs.get(roster.entity[i]) {
+            Ok((flow, order, exposure)) => (*flow, order.0, exposure),
+            Err(_) => (EnergyFlow::default(), 0, None),
+        };
+        // The shoots of a fork go on as their parent's axis and are no side axes.
+        let begins_axis =
+            kind == OrganKind::Internode && parent != NO_PARENT && order > orders[parent as usize];
+        let sensed = exposure.is_none_or(|exposure| exposure.sensed);
+        orders.push(order);
+        accounts.push(Account {
+            parent,
+            kind,
+            begins_axis,
+            income: flow.income,
+            upkeep: flow.upkeep,
+            sensed,
+        });
+    }
     let sums = branches(&accounts);
     let mut size = vec![0u32; roster.plants.len()];
     for &plant in &roster.plant {
@@ -170,9 +164,7 @@ pub fn shed_liabilities(
         }
         if species.prune_patience > 0 {
             for i in (0..accounts.len()).filter(|&i| mine(i) && accounts[i].begins_axis) {
-                let Ok((_, span, _, _, Some(mut base), _)) = organs.get_mut(roster.entity[i]) else {
-                    continue;
-                };
+                let Ok((span, mut base)) = stems.get_mut(roster.entity[i]) else { continue };
                 let young = step.0 - span.born() < 2;
                 let poor = sums[i].income < f64::from(species.prune_income) * f64::from(sums[i].internodes);
                 base.poor_steps = if poor && !young { base.poor_steps + 1 } else { 0 };
@@ -183,8 +175,7 @@ pub fn shed_liabilities(
         }
         if species.patience_steps > 0 {
             for i in (0..accounts.len()).filter(|&i| mine(i) && roster.kind[i] == OrganKind::ApicalBud) {
-                let bud = organs.get(roster.entity[i]).ok().and_then(|o| o.3);
-                if bud.is_some_and(|b| b.starved > species.patience_steps) {
+                if buds.get(roster.entity[i]).is_ok_and(|bud| bud.starved > species.patience_steps) {
                     condemned.0.push((roster.birth[i], Cause::Starved));
                 }
             }

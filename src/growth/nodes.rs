@@ -121,10 +121,9 @@ pub fn form_nodes(
         }
         let prepaid = mechanisms.energy && species.allocation == Allocation::ByVigour;
         let inherited = Exposure { sensed: false, ..*exposure };
-        let tip = stem.tip(internode.length);
+        let stem = pose::Stem { pose: *stem, length: internode.length, radius: internode.radius };
         for (k, organ) in organs.into_iter().enumerate() {
-            let offset = if organ.kind == OrganKind::ApicalBud { 0.0 } else { internode.radius };
-            let pose = pose::attach(tip, stem.rotation, organ.attachment, offset);
+            let pose = stem.bear(organ.attachment, organ.kind != OrganKind::ApicalBud);
             let newborn = Newborn {
                 plant: identity.plant,
                 plant_index: roster.plant[index],

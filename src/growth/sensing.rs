@@ -36,6 +36,11 @@ pub struct SensingJob {
     pub keep_apart: bool,
 }
 
+/// From how many points organs looked around when they last did, a resource.
+#[derive(Resource, Debug, Default, Clone, Copy, PartialEq, Eq, Reflect)]
+#[reflect(Resource)]
+pub struct ProbeCount(pub usize);
+
 /// Gathers scene and probes.
 pub fn gather_probes(world: &mut World) {
     let shot = Snapshot::take(world);
@@ -75,6 +80,7 @@ pub fn gather_probes(world: &mut World) {
             }
         }
     }
+    world.insert_resource(ProbeCount(requests.len()));
     world.insert_resource(SensingJob {
         scene,
         requests,
@@ -167,6 +173,9 @@ pub fn render_cube_maps(world: &mut World) {
     world.resource_scope(|world, mut job: Mut<SensingJob>| {
         let workers = world.resource::<Workers>();
         let job = &mut *job;
+        if job.requests.is_empty() {
+            return;
+        }
         let tracer = Tracer::build(&job.scene);
         job.found = sense(&tracer, &job.requests, &job.settings, workers);
         if job.keep_apart {

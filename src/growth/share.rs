@@ -6,8 +6,8 @@ use super::vigour::{self, Sink, SinkKind};
 use super::{Mechanisms, StepCount};
 use crate::chance::{self, Purpose};
 use crate::plant::{
-    Allotment, ApicalBud, BranchOrder, EnergyFlow, EnergyLedger, EnergyStore, Exposure, Identity, Internode,
-    LateralBud, LateralBudState, Leaf, LeafState, OrganKind, Plant, Roster,
+    Allotment, BranchOrder, EnergyFlow, EnergyLedger, EnergyStore, Exposure, Identity, LateralBud,
+    LateralBudState, Leaf, LeafState, NO_PARENT, OrganKind, Plant, Roster,
 };
 use crate::species::{Allocation, Species};
 
@@ -41,6 +41,31 @@ pub fn by_exposure(claims: &[Claim], energy: &mut f64) -> Vec<f32> {
 /// Least part of a full shoot worth growing.
 const LEAST_SHOOT: f32 = 0.1;
 
+/// What an organ is to the sharing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Standing {
+    /// A stem passes energy on.
+    Stem,
+    /// A leaf, with what it earned and what it lacks to full size.
+    Leaf { income: f32, lacks: f32 },
+    /// A growing tip.
+    Apical,
+    /// A lateral bud that can break, with its place in its growth unit.
+    Dormant { rank: f32 },
+    /// A lateral bud that has broken or died, or an organ that is gone.
+    Spent,
+}
+
+/// An organ as it asks for energy.
+#[derive(Debug, Clone, Copy)]
+struct Member {
+    /// Index in the roster.
+    organ: u32,
+    order: u32,
+    light: f32,
+    standing: Standing,
+}
+
 /// Shares each plant's surplus, and what its store releases, among its organs.
 #[allow(clippy::type_complexity, clippy::too_many_arguments, reason = "a system names what it reads")]
 pub fn share_surplus(
@@ -49,31 +74,51 @@ pub fn share_surplus(
     roster: Res<Roster>,
     plants: Query<&Plant>,
     mut books: Query<(&mut EnergyStore, &mut EnergyLedger)>,
-    organs: Query<(
-        &Identity,
+    stems: Query<&BranchOrder>,
+    mut organs: Query<(
         &BranchOrder,
         &EnergyFlow,
-        Option<&Exposure>,
+        &Exposure,
+        &mut Allotment,
         Option<&Leaf>,
         Option<&LateralBud>,
-        Option<&ApicalBud>,
-        Option<&Internode>,
     )>,
-    mut allotments: Query<&mut Allotment>,
+    identities: Query<&Identity>,
 ) {
     if !mechanisms.energy {
         return;
     }
-    let mut mine: Vec<Vec<usize>> = vec![Vec::new(); roster.plants.len()];
+    let mut members: Vec<Vec<Member>> = vec![Vec::new(); roster.plants.len()];
     let mut reclaimed = vec![0.0_f64; roster.plants.len()];
+    // Where in its plant's list each organ stands.
+    let mut place = Vec::with_capacity(roster.len());
     for i in 0..roster.len() {
-        mine[roster.plant[i] as usize].push(i);
-        if let Ok(mut allotment) = allotments.get_mut(roster.entity[i])
-            && allotment.0 != 0.0
-        {
-            reclaimed[roster.plant[i] as usize] += f64::from(allotment.0);
+        let (entity, plant) = (roster.entity[i], roster.plant[i] as usize);
+        let organ = i as u32;
+        let gone = Member { organ, order: 0, light: 0.0, standing: Standing::Spent };
+        let member = if roster.kind[i] == OrganKind::Internode {
+            let order = stems.get(entity).map(|order| order.0);
+            order.map_or(gone, |order| Member { order, standing: Standing::Stem, ..gone })
+        } else if let Ok((order, flow, exposure, mut allotment, leaf, lateral)) = organs.get_mut(entity) {
+            reclaimed[plant] += f64::from(allotment.0);
             allotment.0 = 0.0;
-        }
+            let standing = match (leaf, lateral) {
+                (Some(leaf), _) => {
+                    let lacks = if leaf.state == LeafState::Growing { 1.0 - leaf.size } else { 0.0 };
+                    Standing::Leaf { income: flow.income, lacks }
+                }
+                (None, Some(bud)) if bud.state == LateralBudState::Dormant => {
+                    Standing::Dormant { rank: bud.rank }
+                }
+                (None, Some(_)) => Standing::Spent,
+                (None, None) => Standing::Apical,
+            };
+            Member { organ, order: order.0, light: exposure.light, standing }
+        } else {
+            gone
+        };
+        place.push(members[plant].len() as u32);
+        members[plant].push(member);
     }
     for (index, entity) in roster.plants.iter().enumerate() {
         let Some(entity) = *entity else { continue };
@@ -86,18 +131,26 @@ pub fn share_surplus(
         store.stored += reclaimed[index];
         let energy = surplus + reclaimed[index] + f64::from(species.store_release) * reserve.max(0.0);
         let energy = energy.min(store.stored);
-        let organ = |i: usize| organs.get(roster.entity[i]).ok();
+        let mine = &members[index];
         let shares = match species.allocation {
-            Allocation::ByExposure => {
-                share_by_exposure(&mine[index], energy, species, mechanisms.light, &roster, organ)
-            }
+            Allocation::ByExposure => share_by_exposure(mine, energy, species, mechanisms.light),
             Allocation::ByVigour => {
                 let age = step.0 - store.germinated.unwrap_or(step.0);
-                share_by_vigour(&mine[index], energy, store.stored, age, plant, step.0, &roster, organ)
+                let parents = mine.iter().map(|member| match roster.parent[member.organ as usize] {
+                    NO_PARENT => NO_PARENT,
+                    parent => place[parent as usize],
+                });
+                let vigours = vigours(mine, parents, energy, store.stored, age, species);
+                let chance = |member: &Member| {
+                    let lineage = identities.get(roster.entity[member.organ as usize]).ok()?.lineage;
+                    let mut stream = chance::stream(plant.seed, lineage, step.0, Purpose::Rounding);
+                    Some(chance::unit(&mut stream))
+                };
+                share_by_vigour(mine, &vigours, store.stored, species, chance)
             }
         };
-        for (i, share) in shares {
-            if let Ok(mut allotment) = allotments.get_mut(roster.entity[i]) {
+        for (organ, share) in shares {
+            if let Ok((_, _, _, mut allotment, ..)) = organs.get_mut(roster.entity[organ as usize]) {
                 allotment.0 = share;
                 store.stored -= f64::from(share);
             }
@@ -106,91 +159,60 @@ pub fn share_surplus(
     }
 }
 
-type Organ<'a> = (
-    &'a Identity,
-    &'a BranchOrder,
-    &'a EnergyFlow,
-    Option<&'a Exposure>,
-    Option<&'a Leaf>,
-    Option<&'a LateralBud>,
-    Option<&'a ApicalBud>,
-    Option<&'a Internode>,
-);
-
-fn share_by_exposure<'a>(
-    mine: &[usize],
+/// What each organ gets: leaves first, then apical buds, the best lit first.
+fn share_by_exposure(
+    mine: &[Member],
     mut energy: f64,
     species: &Species,
     light_matters: bool,
-    roster: &Roster,
-    organ: impl Fn(usize) -> Option<Organ<'a>>,
-) -> Vec<(usize, f32)> {
-    let mut shares = Vec::new();
-    for kind in [OrganKind::Leaf, OrganKind::ApicalBud] {
-        let (claimants, claims): (Vec<usize>, Vec<Claim>) = mine
-            .iter()
-            .filter(|&&i| roster.kind[i] == kind)
-            .filter_map(|&i| {
-                let (_, _, _, exposure, leaf, ..) = organ(i)?;
-                let light = if light_matters { exposure.map_or(0.0, |e| e.light) } else { 1.0 };
-                let claim = match leaf {
-                    Some(leaf) if leaf.state == LeafState::Growing => {
-                        let need = (1.0 - leaf.size).min(species.leaf_growth) * species.leaf_cost;
-                        Claim { light, need, least: 0.0 }
-                    }
-                    Some(_) => return None,
-                    None => {
-                        let need = species.extension_m * species.shoot_cost;
-                        Claim { light, need, least: need * LEAST_SHOOT }
-                    }
-                };
-                Some((i, claim))
-            })
-            .unzip();
-        shares.extend(
-            claimants.into_iter().zip(by_exposure(&claims, &mut energy)).filter(|(_, share)| *share > 0.0),
-        );
-    }
+) -> Vec<(u32, f32)> {
+    let light = |member: &Member| if light_matters { member.light } else { 1.0 };
+    let leaves = |member: &Member| match member.standing {
+        Standing::Leaf { lacks, .. } if lacks > 0.0 => {
+            let need = lacks.min(species.leaf_growth) * species.leaf_cost;
+            Some(Claim { light: light(member), need, least: 0.0 })
+        }
+        _ => None,
+    };
+    let buds = |member: &Member| {
+        let need = species.extension_m * species.shoot_cost;
+        let claim = Claim { light: light(member), need, least: need * LEAST_SHOOT };
+        (member.standing == Standing::Apical).then_some(claim)
+    };
+    let mut serve = |claim: &dyn Fn(&Member) -> Option<Claim>| {
+        let (organs, claims): (Vec<u32>, Vec<Claim>) =
+            mine.iter().filter_map(|member| Some((member.organ, claim(member)?))).unzip();
+        let shares = by_exposure(&claims, &mut energy);
+        organs.into_iter().zip(shares).filter(|(_, share)| *share > 0.0).collect::<Vec<_>>()
+    };
+    let mut shares = serve(&leaves);
+    shares.extend(serve(&buds));
     shares
 }
 
-#[allow(clippy::too_many_arguments, reason = "what the vigour of a plant depends on")]
-fn share_by_vigour<'a>(
-    mine: &[usize],
+/// Vigour of each organ of a plant, in internodes.
+fn vigours(
+    mine: &[Member],
+    parents: impl Iterator<Item = u32>,
     energy: f64,
     stored: f64,
     age: u32,
-    plant: &Plant,
-    step: u32,
-    roster: &Roster,
-    organ: impl Fn(usize) -> Option<Organ<'a>>,
-) -> Vec<(usize, f32)> {
-    let species = &*plant.species;
-    let position = |i: usize| mine.binary_search(&i).map_or(u32::MAX, |p| p as u32);
+    species: &Species,
+) -> Vec<f32> {
     let sinks: Vec<Sink> = mine
         .iter()
-        .map(|&i| {
-            let parent = match roster.parent[i] {
-                crate::plant::NO_PARENT => crate::plant::NO_PARENT,
-                p => position(p as usize),
-            };
-            let Some((_, order, flow, exposure, leaf, lateral, apical, _)) = organ(i) else {
-                return Sink { parent, order: 0, kind: SinkKind::Spent, demand: 0.0 };
-            };
-            let light = exposure.map_or(0.0, |e| e.light);
-            let (kind, demand) = if leaf.is_some() {
-                (SinkKind::Spent, flow.income / species.leaf_income.max(f32::MIN_POSITIVE))
-            } else if let Some(bud) = lateral {
-                match bud.state {
-                    LateralBudState::Dormant => (SinkKind::Bud, light * vigour::acrotony(species, bud.rank)),
-                    _ => (SinkKind::Spent, 0.0),
+        .zip(parents)
+        .map(|(member, parent)| {
+            let (kind, demand) = match member.standing {
+                Standing::Stem => (SinkKind::Stem, 0.0),
+                Standing::Leaf { income, .. } => {
+                    (SinkKind::Spent, income / species.leaf_income.max(f32::MIN_POSITIVE))
                 }
-            } else if apical.is_some() {
-                (SinkKind::Bud, light)
-            } else {
-                (SinkKind::Stem, 0.0)
+                Standing::Apical => (SinkKind::Bud, member.light),
+                Standing::Dormant { rank } => (SinkKind::Bud, member.light * vigour::acrotony(species, rank)),
+                Standing::Spent => (SinkKind::Spent, 0.0),
             };
-            Sink { parent, order: order.0, kind, demand }
+            Sink { parent, order: member.order, kind, demand }
         })
         .collect();
     let unit = f64::from(vigour::internode_cost(species));
@@ -203,17 +225,27 @@ fn share_by_vigour<'a>(
         let least = species.apical_control_least.min(young);
         (young + species.apical_control_ageing * age as f32).clamp(least, 1.0)
     };
-    let vigours = vigour::settle(sinks.clone(), budget as f32, species.vigour_short, control);
-    let mut wishes: Vec<(usize, f32, f32)> = Vec::new();
-    for (k, sink) in sinks.iter().enumerate() {
-        if sink.kind != SinkKind::Bud {
+    vigour::settle(sinks, budget as f32, species.vigour_short, control)
+}
+
+/// What each bud gets for its vigour; `chance` (0..1) rounds it to whole internodes.
+fn share_by_vigour(
+    mine: &[Member],
+    vigours: &[f32],
+    stored: f64,
+    species: &Species,
+    chance: impl Fn(&Member) -> Option<f32>,
+) -> Vec<(u32, f32)> {
+    let mut wishes: Vec<(u32, f32, f32)> = Vec::new();
+    for (member, &vigour) in mine.iter().zip(vigours) {
+        let is_bud = matches!(member.standing, Standing::Apical | Standing::Dormant { .. });
+        if !is_bud || vigour <= 0.0 {
             continue;
         }
-        let Some((identity, ..)) = organ(mine[k]) else { continue };
-        let mut rng = chance::stream(plant.seed, identity.lineage, step, Purpose::Rounding);
-        let cost = vigour::shoot_cost(species, vigours[k], sink.order, chance::unit(&mut rng));
+        let Some(chance) = chance(member) else { continue };
+        let cost = vigour::shoot_cost(species, vigour, member.order, chance);
         if cost > 0.0 {
-            wishes.push((mine[k], vigours[k], cost));
+            wishes.push((member.organ, vigour, cost));
         }
     }
     // Chance may round the sum above what there is: the most vigorous are served first.
@@ -226,5 +258,5 @@ fn share_by_vigour<'a>(
         }
         served
     });
-    wishes.into_iter().map(|(i, _, cost)| (i, cost)).collect()
+    wishes.into_iter().map(|(organ, _, cost)| (organ, cost)).collect()
 }

@@ -10,7 +10,7 @@ use crate::chance::{self, Purpose};
 use crate::environment::obstacles::advance;
 use crate::environment::{Ground, Solid, StandingSolid};
 use crate::plant::{
-    Allotment, ApicalBud, Attachment, BranchOrder, EnergyLedger, GrowsFrom, GrowthSpan, GrowthTarget,
+    Allotment, ApicalBud, Attachment, Bears, BranchOrder, EnergyLedger, GrowsFrom, GrowthSpan, GrowthTarget,
     Identity, Internode, Lineage, NO_PARENT, Node, OrganKind, Plant, Pose, Roster,
 };
 use crate::species::{Allocation, Species};
@@ -251,9 +251,12 @@ pub fn extend_shoots(
                     end: step.0 as f32 + (k + 1) as f32 / count,
                 },
             };
-            let internode = newborn.bear(&mut commands, &mut roster, OrganKind::Internode, segment.internode);
+            let (kind, wood) = (OrganKind::Internode, (segment.internode, Bears::default()));
+            let internode = match segment.node {
+                Some(node) => newborn.bear(&mut commands, &mut roster, kind, (wood, node)),
+                None => newborn.bear(&mut commands, &mut roster, kind, wood),
+            };
             if let Some(node) = segment.node {
-                commands.entity(internode).insert(node);
                 fresh.0.push(FreshNode {
                     internode,
                     birth,

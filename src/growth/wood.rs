@@ -4,7 +4,7 @@ use bevy::math::ops;
 use bevy::prelude::*;
 
 use super::Mechanisms;
-use crate::plant::{EnergyLedger, EnergyStore, Internode, NO_PARENT, Plant, Roster};
+use crate::plant::{EnergyLedger, EnergyStore, Internode, NO_PARENT, OrganKind, Plant, Roster};
 
 /// Pipe (radius to the power of the pipe exponent) every stem should have, tips to base in one pass: the sum of
 /// the pipes it bears, at least its own. `pipes` holds `None` for what is no stem.
@@ -29,7 +29,13 @@ pub fn thicken_wood(
     mut books: Query<(&mut EnergyStore, &mut EnergyLedger)>,
     mut stems: Query<&mut Internode>,
 ) {
-    let have: Vec<Option<f32>> = roster.entity.iter().map(|&e| stems.get(e).ok().map(|s| s.pipe)).collect();
+    let wood: Vec<Option<Internode>> = (0..roster.len())
+        .map(|i| {
+            let stem = (roster.kind[i] == OrganKind::Internode).then(|| stems.get(roster.entity[i]).ok());
+            stem.flatten().copied()
+        })
+        .collect();
+    let have: Vec<Option<f32>> = wood.iter().map(|stem| stem.map(|stem| stem.pipe)).collect();
     let want = pipes(&roster.parent, &have);
     let mut thicker: Vec<(usize, f32, f32)> = Vec::new();
     let mut volume = vec![0.0_f64; roster.plants.len()];
@@ -38,15 +44,13 @@ pub fn thicken_wood(
         .iter()
         .map(|p| p.and_then(|p| plants.get(p).ok()).map_or(2.0, |p| p.species.pipe_exponent))
         .collect();
-    for i in 0..roster.len() {
-        let (Some(pipe), Ok(stem)) = (have[i], stems.get(roster.entity[i])) else { continue };
-        if want[i] > pipe {
-            let plant = roster.plant[i] as usize;
-            let radius = ops::powf(want[i], 1.0 / exponent[plant]).max(stem.radius);
-            volume[plant] += f64::from(core::f32::consts::PI * (radius * radius - stem.radius * stem.radius))
-                * f64::from(stem.length);
-            thicker.push((i, radius, want[i]));
-        }
+    for (i, stem) in wood.iter().enumerate() {
+        let Some(stem) = stem.filter(|stem| want[i] > stem.pipe) else { continue };
+        let plant = roster.plant[i] as usize;
+        let radius = ops::powf(want[i], 1.0 / exponent[plant]).max(stem.radius);
+        volume[plant] += f64::from(core::f32::consts::PI * (radius * radius - stem.radius * stem.radius))
+            * f64::from(stem.length);
+        thicker.push((i, radius, want[i]));
     }
     let mut share = vec![1.0_f32; roster.plants.len()];
     for (plant, entity) in roster.plants.iter().enumerate() {

@@ -93,6 +93,33 @@ pub struct Snapshot {
     pub state: Vec<OrganState>,
 }
 
+/// What an organ may have; [`PlantPlugin`](super::PlantPlugin) makes all of it known to a world.
+type OrganParts = (
+    (
+        Option<&'static Identity>,
+        Option<&'static GrowthSpan>,
+        Option<&'static BranchOrder>,
+        Option<&'static Attachment>,
+        Option<&'static Pose>,
+        Option<&'static EnergyFlow>,
+    ),
+    (
+        Option<&'static Internode>,
+        Option<&'static Node>,
+        Option<&'static ApicalBud>,
+        Option<&'static Steering>,
+        Option<&'static GrowthTarget>,
+        Option<&'static LateralBud>,
+        Option<&'static Leaf>,
+        Option<&'static Exposure>,
+        Option<&'static Allotment>,
+    ),
+);
+
+fn read<C: Copy + Default>(part: Option<&C>) -> C {
+    part.copied().unwrap_or_default()
+}
+
 impl Snapshot {
     /// Organs in it.
     pub fn len(&self) -> usize {
@@ -102,6 +129,24 @@ impl Snapshot {
     /// Whether nothing lives.
     pub fn is_empty(&self) -> bool {
         self.birth.is_empty()
+    }
+
+    /// Memory it takes, bytes, species not counted.
+    pub fn bytes(&self) -> usize {
+        let organ = 5 * size_of::<u32>()
+            + size_of::<Lineage>()
+            + size_of::<GrowthSpan>()
+            + size_of::<Quat>()
+            + size_of::<Pose>()
+            + size_of::<Exposure>()
+            + size_of::<EnergyFlow>()
+            + size_of::<OrganState>();
+        size_of::<Self>() + self.plants.len() * size_of::<Option<PlantRecord>>() + self.len() * organ
+    }
+
+    /// Index of the organ with a birth number.
+    pub fn index_of(&self, birth: u32) -> Option<usize> {
+        self.birth.binary_search(&birth).ok()
     }
 
     /// Takes a snapshot of a world.
@@ -125,28 +170,26 @@ impl Snapshot {
             flow: Vec::with_capacity(n),
             state: Vec::with_capacity(n),
         };
+        let mut parts = world.try_query::<OrganParts>();
+        let parts = parts.as_mut().map(|parts| parts.query(world));
         for i in 0..n {
             // An organ despawned from outside stays in the roster until the next step sheds what it bore.
-            let organ = world.get_entity(roster.entity[i]).ok();
-            fn read<C: Component + Copy + Default>(organ: Option<EntityRef<'_>>) -> C {
-                organ.and_then(|o| o.get::<C>().copied()).unwrap_or_default()
-            }
-            shot.lineage
-                .push(organ.and_then(|o| o.get::<Identity>().map(|id| id.lineage)).unwrap_or_default());
-            shot.span.push(read(organ));
-            shot.order.push(read::<BranchOrder>(organ).0);
-            shot.attachment.push(read::<Attachment>(organ).0);
-            shot.pose.push(read(organ));
-            shot.exposure.push(read(organ));
-            shot.allotment.push(read::<Allotment>(organ).0);
-            shot.flow.push(read(organ));
+            let organ = parts.as_ref().and_then(|parts| parts.get(roster.entity[i]).ok()).unwrap_or_default();
+            let (identity, span, order, attachment, pose, flow) = organ.0;
+            let (wood, node, apical, steering, target, lateral, leaf, exposure, allotment) = organ.1;
+            shot.lineage.push(identity.map_or_else(Lineage::default, |identity| identity.lineage));
+            shot.span.push(read(span));
+            shot.order.push(read(order).0);
+            shot.attachment.push(read(attachment).0);
+            shot.pose.push(read(pose));
+            shot.flow.push(read(flow));
+            shot.exposure.push(read(exposure));
+            shot.allotment.push(read(allotment).0);
             shot.state.push(match roster.kind[i] {
-                OrganKind::Internode => {
-                    OrganState::Internode(read(organ), organ.and_then(|o| o.get::<Node>().copied()))
-                }
-                OrganKind::ApicalBud => OrganState::ApicalBud(read(organ), read(organ), read(organ)),
-                OrganKind::LateralBud => OrganState::LateralBud(read(organ), read(organ)),
-                OrganKind::Leaf => OrganState::Leaf(read(organ)),
+                OrganKind::Internode => OrganState::Internode(read(wood), node.copied()),
+                OrganKind::ApicalBud => OrganState::ApicalBud(read(apical), read(steering), read(target)),
+                OrganKind::LateralBud => OrganState::LateralBud(read(lateral), read(target)),
+                OrganKind::Leaf => OrganState::Leaf(read(leaf)),
             });
         }
         shot
@@ -207,7 +250,8 @@ pub(crate) fn plant_transform(world: &World, entity: Entity) -> Transform {
     transform
 }
 
-/// Puts the organs of a snapshot back into a world that holds none.
+/// Puts the organs of a snapshot back into a world that holds none. One from outside must pass
+/// [`Snapshot::check`] first: its columns are taken to belong together.
 pub fn restore(world: &mut World, shot: &Snapshot) {
     world.insert_resource(StepCount(shot.step));
     let mut roster = Roster { next_birth: shot.next_birth, ..Default::default() };

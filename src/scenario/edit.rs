@@ -6,8 +6,8 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::place::{self, SpeciesBook};
+use super::preview::is_inside;
 use super::{PlacedLamp, PlacedSolid, PlacedSun, Planting};
-use crate::environment::obstacles::touches;
 use crate::environment::plugin::standing_solids;
 use crate::environment::{Lamp, Sky, Solid};
 use crate::files::parse_value;
@@ -32,6 +32,36 @@ pub enum Edit {
         to: Vec3,
         /// Its new turn about the vertical, degrees.
         turn_deg: f32,
+    },
+    /// Move, turn and scale a solid or lamp at once, as a gizmo does. A solid set onto living wood sheds it; of a
+    /// lamp only the place is looked at.
+    Pose {
+        /// Its name.
+        name: String,
+        /// Its new centre, metres.
+        to: Vec3,
+        /// Its new turn about x, y and z, degrees: first about its own y, then x, then z.
+        rotation_deg: Vec3,
+        /// Its new size along its own axes, as a factor to the shape it was placed with, 0.01 to 100.
+        scale: Vec3,
+    },
+    /// Set a copy of a solid or lamp, turned and scaled as that is. A solid set onto living wood sheds it.
+    Duplicate {
+        /// The name of what is copied.
+        name: String,
+        /// The name of the copy.
+        copy: String,
+        /// The centre of the copy, metres.
+        to: Vec3,
+    },
+    /// Set how strong and how large a lamp is.
+    Shine {
+        /// Its name.
+        name: String,
+        /// Radiance of its surface, as a multiple of a full sky's.
+        strength: f32,
+        /// Its radius, metres.
+        radius: f32,
     },
     /// Switch a lamp on or off.
     Switch {
@@ -168,6 +198,40 @@ pub fn apply(world: &mut World, edit: &Edit) -> Result<EditOutcome, EditError> {
             }
             shed_count = crush(world);
         }
+        Edit::Pose { name, to, rotation_deg, scale } => {
+            place::finite("to", *to)?;
+            place::finite("rotation_deg", *rotation_deg)?;
+            place::finite("scale", *scale)?;
+            let entity = named(world, name)?;
+            if let Some(mut transform) = world.get_mut::<Transform>(entity) {
+                *transform = posed(*to, *rotation_deg, *scale);
+            }
+            shed_count = crush(world);
+        }
+        Edit::Duplicate { name, copy, to } => {
+            place::finite("to", *to)?;
+            let original = named(world, name)?;
+            free_name(world, copy)?;
+            let transform = world.get::<Transform>(original).copied().unwrap_or_default();
+            let (solid, lamp) = (world.get::<Solid>(original).copied(), world.get::<Lamp>(original).copied());
+            let mut twin = world.spawn((Name::new(copy.clone()), transform.with_translation(*to)));
+            if let Some(solid) = solid {
+                twin.insert(solid);
+            }
+            if let Some(lamp) = lamp {
+                twin.insert(lamp);
+            }
+            shed_count = crush(world);
+        }
+        Edit::Shine { name, strength, radius } => {
+            place::finite("strength", Vec3::splat(*strength))?;
+            place::finite("radius", Vec3::splat(*radius))?;
+            let entity = named(world, name)?;
+            match world.get_mut::<Lamp>(entity) {
+                Some(mut lamp) => (lamp.strength, lamp.radius) = (*strength, *radius),
+                None => return Err(EditError::NoSuchName(name.clone())),
+            }
+        }
         Edit::Switch { name, on } => {
             let entity = named(world, name)?;
             match world.get_mut::<Lamp>(entity) {
@@ -207,6 +271,47 @@ pub fn apply(world: &mut World, edit: &Edit) -> Result<EditOutcome, EditError> {
     Ok(EditOutcome { shed: shed_count })
 }
 
+/// Where [`Edit::Pose`] sets a thing.
+fn posed(to: Vec3, rotation_deg: Vec3, scale: Vec3) -> Transform {
+    let [x, y, z] = rotation_deg.to_array().map(f32::to_radians);
+    let rotation = Quat::from_euler(EulerRot::YXZ, y, x, z);
+    Transform { translation: to, rotation, scale }
+}
+
+impl Edit {
+    /// The edit that sets a solid or lamp where a transform says, as a gizmo leaves it; scale is kept within what
+    /// an edit may ask for.
+    pub fn posing(name: impl Into<String>, transform: &Transform) -> Self {
+        let (y, x, z) = transform.rotation.to_euler(EulerRot::YXZ);
+        Self::Pose {
+            name: name.into(),
+            to: transform.translation,
+            rotation_deg: Vec3::new(x.to_degrees(), y.to_degrees(), z.to_degrees()),
+            scale: transform.scale.abs().clamp(Vec3::splat(0.01), Vec3::splat(100.0)),
+        }
+    }
+
+    /// Whether this one says again, with other values, what another said: of two in a row, as while dragging, only
+    /// the later matters.
+    pub fn replaces(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Move { name, .. }, Self::Move { name: other, .. })
+            | (Self::Pose { name, .. }, Self::Move { name: other, .. } | Self::Pose { name: other, .. })
+            | (Self::Shine { name, .. }, Self::Shine { name: other, .. })
+            | (Self::Switch { name, .. }, Self::Switch { name: other, .. }) => name == other,
+            (
+                Self::Set { species, parameter, .. },
+                Self::Set { species: other, parameter: other_parameter, .. },
+            ) => species == other && parameter == other_parameter,
+            (Self::Top { plant, .. }, Self::Top { plant: other, .. }) => plant == other,
+            (Self::Sun(_), Self::Sun(_))
+            | (Self::Sky(_), Self::Sky(_))
+            | (Self::Mechanisms(_), Self::Mechanisms(_)) => true,
+            _ => false,
+        }
+    }
+}
+
 /// Sheds all living wood, leaves and buds inside solids, with what they bear. Returns how many organs went.
 pub fn crush(world: &mut World) -> usize {
     let mut query = world.query::<(&Solid, &Transform)>();
@@ -218,10 +323,7 @@ pub fn crush(world: &mut World) -> usize {
     let mut crushed = Vec::new();
     for i in 0..roster.len() {
         let Some(pose) = world.get::<Pose>(roster.entity[i]) else { continue };
-        let (tip, radius) = world
-            .get::<Internode>(roster.entity[i])
-            .map_or((pose.position, 0.0), |wood| (pose.tip(wood.length), wood.radius));
-        if solids.iter().any(|solid| touches(solid, pose.position, tip, radius)) {
+        if is_inside(&solids, pose, world.get::<Internode>(roster.entity[i])) {
             crushed.push((roster.birth[i], Cause::Crushed));
         }
     }

@@ -7,16 +7,17 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::place::{self, RunSeed, SpeciesBook};
-use super::{Edit, EditError, Scenario, apply};
+use super::{Edit, EditError, EditOutcome, FixtureError, Fixtures, Scenario, TimedEdit, apply};
 use crate::BurgeonPlugins;
 use crate::environment::workers::Workers;
-use crate::environment::{Ground, Lamp, Scene, Sky, Solid, Sun, whole_scene};
-use crate::files::ResolvedScenario;
-use crate::growth::{Mechanisms, StepCount, finish::StageTimes, grow};
-use crate::limits;
+use crate::environment::{Ground, Scene, whole_scene};
+use crate::files::{ResolvedScenario, ScenarioError};
+use crate::growth::{StepCount, finish::StageTimes, grow, sensing::ProbeCount};
+use crate::limits::{self, GrowthLimits};
 use crate::plant::measure::{StageSeconds, StepRecord};
-use crate::plant::{Fallen, Roster, Snapshot, plants, restore};
+use crate::plant::{Fallen, Roster, Snapshot, SnapshotError, plants, restore};
 use crate::species::Species;
+use crate::species::parameter::ParameterError;
 
 /// A scenario with its species, growing.
 pub struct Garden {
@@ -56,18 +57,74 @@ pub enum GardenError {
 /// Everything a garden is, to be saved and grown on bit for bit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GardenSave {
-    scenario: Scenario,
-    seed: u64,
-    edits_made: usize,
-    species: BTreeMap<String, Arc<Species>>,
-    snapshot: Snapshot,
-    solids: Vec<Standing<Solid>>,
-    lamps: Vec<Standing<Lamp>>,
-    sun: Option<(Quat, f32)>,
-    sky: Sky,
-    mechanisms: Mechanisms,
-    fallen: u64,
-    records: Vec<StepRecord>,
+    pub(super) scenario: Scenario,
+    pub(super) seed: u64,
+    pub(super) edits_made: usize,
+    pub(super) species: BTreeMap<String, Arc<Species>>,
+    pub(super) snapshot: Snapshot,
+    pub(super) fixtures: Fixtures,
+    pub(super) fallen: u64,
+    pub(super) records: Vec<StepRecord>,
+}
+
+/// Why a save cannot be grown on, though its checksum is right.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum GardenSaveError {
+    /// Its scenario is not sound.
+    #[error("its scenario: {0}")]
+    Scenario(#[from] ScenarioError),
+    /// Its plants are not.
+    #[error("its plants: {0}")]
+    Snapshot(#[from] SnapshotError),
+    /// What stands there cannot.
+    #[error("what stands there: {0}")]
+    Fixture(#[from] FixtureError),
+    /// A species has a parameter out of range.
+    #[error("its species {name:?}: {source}")]
+    Species {
+        /// The species.
+        name: String,
+        /// Which parameter.
+        source: ParameterError,
+    },
+    /// It claims to have made more edits than its scenario has by its step.
+    #[error("{made} edits are said to be made; by step {step} there are {due}")]
+    Edits {
+        /// Edits said to be made.
+        made: usize,
+        /// The step.
+        step: u32,
+        /// Edits of the scenario that are due by then.
+        due: usize,
+    },
+    /// Its run and its garden tell of different trees.
+    #[error("its run and its garden differ in {0}")]
+    Differ(&'static str),
+}
+
+impl GardenSave {
+    /// Checks that it is a state a garden can grow on from.
+    ///
+    /// # Errors
+    /// The first thing that is not so.
+    pub fn check(&self) -> Result<(), GardenSaveError> {
+        self.scenario.validate()?;
+        let step = self.snapshot.step;
+        let due = self.scenario.edits.iter().take_while(|e| e.step <= step).count();
+        if self.edits_made > due {
+            return Err(GardenSaveError::Edits { made: self.edits_made, step, due });
+        }
+        for (name, species) in &self.species {
+            species.validate().map_err(|source| GardenSaveError::Species { name: name.clone(), source })?;
+        }
+        self.fixtures.check()?;
+        Ok(self.snapshot.check()?)
+    }
+
+    /// Steps grown.
+    pub fn steps(&self) -> u32 {
+        self.snapshot.step
+    }
 }
 
 impl Garden {
@@ -103,26 +160,61 @@ impl Garden {
     /// # Errors
     /// An edit that cannot be made, or a limit; what has grown is kept.
     pub fn step(&mut self) -> Result<&StepRecord, GardenError> {
-        let step = self.steps();
-        while let Some(timed) = self.scenario.edits.get(self.edits_made).filter(|e| e.step <= step) {
-            let edit = timed.edit.clone();
-            self.edits_made += 1;
-            apply(&mut self.world, &edit).map_err(|source| GardenError::Edit { step, source })?;
+        self.step_and_look()?;
+        Ok(&self.records[self.records.len() - 1])
+    }
+
+    /// As [`Garden::step`]; gives the plants at its end.
+    pub(super) fn step_and_look(&mut self) -> Result<Snapshot, GardenError> {
+        while let Some(made) = self.make_next_edit() {
+            made?;
         }
-        let organs = self.organs();
-        if organs >= limits::ORGANS {
-            return Err(GardenError::Limit { step, what: "organs", reached: organs, limit: limits::ORGANS });
-        }
-        if step >= limits::STEPS {
-            let limit = limits::STEPS as usize;
-            return Err(GardenError::Limit { step, what: "steps", reached: step as usize, limit });
-        }
+        self.within_limits(self.steps())?;
         grow(&mut self.world, 1);
         let snapshot = self.snapshot();
         let [generate, update, sense, finish] = self.world.resource::<StageTimes>().seconds;
         let stages = StageSeconds { generate, update, sense, finish };
         self.records.push(StepRecord::of(&snapshot, stages));
-        Ok(&self.records[self.records.len() - 1])
+        Ok(snapshot)
+    }
+
+    /// Makes the next edit that is due, if there is one.
+    pub(super) fn make_next_edit(&mut self) -> Option<Result<EditOutcome, GardenError>> {
+        let step = self.steps();
+        let due = self.scenario.edits.get(self.edits_made).filter(|e| e.step <= step)?;
+        self.edits_made += 1;
+        Some(apply(&mut self.world, &due.edit).map_err(|source| GardenError::Edit { step, source }))
+    }
+
+    /// Edits of the scenario already made.
+    pub(super) fn edits_made(&self) -> usize {
+        self.edits_made
+    }
+
+    /// Replaces the edits; of the new ones, `made` are taken to be made.
+    pub(super) fn set_edits(&mut self, edits: Vec<TimedEdit>, made: usize) {
+        self.scenario.edits = edits;
+        self.edits_made = made;
+    }
+
+    fn within_limits(&self, step: u32) -> Result<(), GardenError> {
+        let most = *self.world.resource::<GrowthLimits>();
+        let probes = self.world.resource::<ProbeCount>().0;
+        let taken = [
+            ("organs", self.organs(), most.organs),
+            ("probes in one step", probes, most.probes),
+            ("steps", step as usize, most.steps),
+            ("bytes of memory", self.organs() * limits::ORGAN_BYTES, most.memory),
+        ];
+        match taken.into_iter().find(|(_, reached, limit)| reached >= limit) {
+            Some((what, reached, limit)) => Err(GardenError::Limit { step, what, reached, limit }),
+            None => Ok(()),
+        }
+    }
+
+    /// Sets what it may take.
+    pub fn set_limits(&mut self, limits: GrowthLimits) {
+        self.world.insert_resource(limits);
     }
 
     /// Steps grown.
@@ -173,92 +265,46 @@ impl Garden {
     /// Everything it is.
     pub fn save(&mut self) -> GardenSave {
         let world = &mut self.world;
-        let solids = named_things::<Solid>(world);
-        let lamps = named_things::<Lamp>(world);
-        let mut suns = world.query::<(&Sun, &Transform)>();
-        let sun = suns.iter(world).map(|(sun, transform)| (transform.rotation, sun.strength)).next();
+        let fixtures = Fixtures::take(world);
         GardenSave {
             scenario: self.scenario.clone(),
             seed: self.seed,
             edits_made: self.edits_made,
             species: world.resource::<SpeciesBook>().0.clone(),
             snapshot: Snapshot::take(world),
-            solids,
-            lamps,
-            sun,
-            sky: *world.resource::<Sky>(),
-            mechanisms: *world.resource::<Mechanisms>(),
+            fixtures,
             fallen: world.resource::<Fallen>().total,
             records: self.records.clone(),
         }
     }
 
     /// Grows on from a save.
-    pub fn resume(save: GardenSave, workers: Workers) -> Self {
+    ///
+    /// # Errors
+    /// [`GardenSaveError`] if it is no state a garden can be in.
+    pub fn resume(save: GardenSave, workers: Workers) -> Result<Self, GardenSaveError> {
+        save.check()?;
+        Ok(Self::stand_up(save, workers))
+    }
+
+    /// As [`Garden::resume`], of a save known to be sound.
+    pub(super) fn stand_up(save: GardenSave, workers: Workers) -> Self {
         let mut world = bare_world(workers);
         world.insert_resource(SpeciesBook(save.species));
         world.insert_resource(RunSeed(save.seed));
-        world.insert_resource(save.sky);
         world.insert_resource(Ground(save.scenario.ground.then_some(0.0)));
-        world.insert_resource(save.mechanisms);
         world.insert_resource(save.scenario.sensing);
         world.insert_resource(Fallen { total: save.fallen, ..Default::default() });
-        for solid in save.solids {
-            world.spawn(solid.stand());
-        }
-        for lamp in save.lamps {
-            world.spawn(lamp.stand());
-        }
-        if let Some((rotation, strength)) = save.sun {
-            world.spawn((Sun { strength }, Transform::from_rotation(rotation)));
-        }
+        save.fixtures.stand(&mut world);
         restore(&mut world, &save.snapshot);
-        Self {
-            world,
-            scenario: save.scenario,
-            seed: save.seed,
-            records: save.records,
-            edits_made: save.edits_made,
-        }
+        let GardenSave { scenario, seed, records, edits_made, .. } = save;
+        Self { world, scenario, seed, records, edits_made }
     }
 
     /// Species of its plants, in the order of planting.
     pub fn species(&self) -> Vec<Arc<Species>> {
         plants(&self.world).into_iter().map(|(_, plant)| plant.species.clone()).collect()
     }
-}
-
-/// A solid or lamp with its name and exact place.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Standing<T> {
-    name: String,
-    thing: T,
-    position: Vec3,
-    rotation: Quat,
-    scale: Vec3,
-}
-
-impl<T: Component> Standing<T> {
-    fn stand(self) -> impl Bundle {
-        let transform = Transform { translation: self.position, rotation: self.rotation, scale: self.scale };
-        (Name::new(self.name), self.thing, transform)
-    }
-}
-
-fn named_things<T: Component + Copy>(world: &mut World) -> Vec<Standing<T>> {
-    let mut things = world.query::<(&Name, &T, &Transform)>();
-    let mut standing: Vec<Standing<T>> = things
-        .iter(world)
-        .map(|(name, thing, transform)| Standing {
-            name: name.to_string(),
-            thing: *thing,
-            position: transform.translation,
-            rotation: transform.rotation,
-            scale: transform.scale,
-        })
-        .collect();
-    standing.sort_by(|a, b| a.name.cmp(&b.name));
-    standing
 }
 
 /// A world with Burgeon in it and nothing else.

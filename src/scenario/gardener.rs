@@ -1,0 +1,262 @@
+//! A gardener: tends a [`Timeline`] on a thread of its own, so that whoever asks never waits.
+//!
+//! Orders go in, news come out; neither ever blocks the caller. Orders are obeyed between two steps, so from an edit
+//! to the first snapshot that shows it is at most the rest of one step, and the step after an edit does not wait for
+//! its beat. What grows is the same as without a gardener: the clock decides when a step is grown, never how.
+//!
+//! ```
+//! # use std::time::Duration;
+//! # use burgeon::assets::Library;
+//! # use burgeon::environment::workers::Workers;
+//! # use burgeon::scenario::{Gardener, GardenerSettings, News, Order, Timeline};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let library = Library::embedded();
+//! let timeline = Timeline::new(library.scenario("figure_1d")?, 1, library, Workers::new(1)?)?;
+//! let gardener = Gardener::start(timeline, GardenerSettings::default())?;
+//! gardener.order(Order::Step)?;
+//! while let Some(news) = gardener.wait(Duration::from_secs(60)) {
+//!     if let News::Grown(view, progress) = news {
+//!         assert_eq!((view.step, progress.present), (1, 1));
+//!         break;
+//!     }
+//! }
+//! gardener.quit();
+//! # Ok(())
+//! # }
+//! ```
+
+mod work;
+
+use std::io;
+use std::path::PathBuf;
+use std::sync::mpsc::{self, Receiver, Sender};
+use std::sync::{Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use bevy::prelude::*;
+
+use super::{Autosave, Edit, GardenError, Timeline, TimelineError, View};
+use crate::files::{FileError, ResolvedScenario, SaveError, ShareError};
+
+/// What a gardener can be told to do.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Order {
+    /// Grow on and on.
+    Play,
+    /// Stop growing. Catching up after an edit goes on.
+    Pause,
+    /// Grow one step.
+    Step,
+    /// How many steps a second are grown while playing; 0 and less, or what is no number: as many as can be.
+    Pace(f32),
+    /// Show a step: [`News::Seen`]. A later one takes the place of one still on its way.
+    Seek(u32),
+    /// Show a step of the course before the last fork: [`News::GhostSeen`].
+    SeekGhost(u32),
+    /// Forget the course before the last fork.
+    DropGhost,
+    /// Make an edit.
+    Edit {
+        /// At which step; `None`: at the head.
+        step: Option<u32>,
+        /// What is changed.
+        edit: Edit,
+        /// Whether it takes the place of the last edit, as a drag goes on ([`Timeline::amend`]).
+        drag: bool,
+    },
+    /// Take back the last edit.
+    Undo,
+    /// Make the edit undone last again.
+    Redo,
+    /// Go back to step 0; edits stay.
+    Restart,
+    /// Go back to step 0 under another seed.
+    Seed(u64),
+    /// Begin another scenario, with a seed.
+    Begin(Box<ResolvedScenario>, u64),
+    /// Take up a save, a run or a scenario from a file.
+    Load(PathBuf),
+    /// Take up the tree of a share code.
+    LoadCode(String),
+    /// Save everything to a file, to be taken up again: [`News::Saved`].
+    Save(PathBuf),
+    /// Write the scenario with its edits as RON.
+    SaveScenario(PathBuf),
+    /// Write `run.ron`.
+    SaveRun(PathBuf),
+    /// Tell the share code: [`News::Code`].
+    Share,
+    /// How many bytes of snapshots are kept ([`Timeline::set_budget`]).
+    Budget(usize),
+    /// Save the autosave, if there is one, and end.
+    Quit,
+}
+
+/// What a gardener tells.
+#[derive(Debug)]
+pub enum News {
+    /// A step was grown: the head as it is now, its edits made.
+    Grown(View, Progress),
+    /// The head has changed otherwise: by an edit, undo, redo, restart or another garden.
+    Changed {
+        /// The head as it is now.
+        view: View,
+        /// How far things are.
+        progress: Progress,
+        /// How many organs the edit shed; `None` if there was no edit, or growth has yet to come to it.
+        shed: Option<usize>,
+    },
+    /// The step that was sought.
+    Seen(View),
+    /// The step of the old course that was sought; `None` if it is not kept.
+    GhostSeen(u32, Option<View>),
+    /// Playing, pausing or the pace has changed.
+    Status(Progress),
+    /// A file was written.
+    Saved(PathBuf),
+    /// The share code.
+    Code(String),
+    /// An order was not carried out; all is as it was.
+    Refused(GardenerError),
+    /// Growth stopped at a limit; what has grown is kept.
+    Stopped(GardenError),
+    /// It has ended.
+    Ended,
+}
+
+/// How far things are.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Progress {
+    /// The last step grown.
+    pub present: u32,
+    /// The step growth is on its way back to, if it is.
+    pub catching_up: Option<u32>,
+    /// Whether it plays.
+    pub playing: bool,
+    /// Steps a second while playing; `None`: as many as can be.
+    pub pace: Option<f32>,
+    /// Organs at the head.
+    pub organs: usize,
+    /// Edits that can be undone.
+    pub undoable: usize,
+    /// Edits that can be made again.
+    pub redoable: usize,
+    /// Edits that could not be made in this course.
+    pub lapsed: usize,
+    /// Last step of the course before the last fork, if that is kept.
+    pub ghost: Option<u32>,
+    /// The seed.
+    pub seed: u64,
+    /// Bytes of snapshots kept.
+    pub bytes: usize,
+}
+
+/// Why an order was not carried out.
+#[derive(Debug, thiserror::Error)]
+pub enum GardenerError {
+    /// The timeline could not do it.
+    #[error(transparent)]
+    Timeline(#[from] TimelineError),
+    /// A step could not be grown again.
+    #[error(transparent)]
+    Garden(#[from] GardenError),
+    /// A save could not be read or written.
+    #[error(transparent)]
+    Save(#[from] SaveError),
+    /// A file could not be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A share code could not be read or made.
+    #[error(transparent)]
+    Share(#[from] ShareError),
+    /// A file could not be written; what was there is untouched.
+    #[error("{}: {source}", .path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// There is nothing to undo or redo.
+    #[error("there is nothing to {0}")]
+    Nothing(&'static str),
+}
+
+/// The gardener has ended and takes no orders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the gardener has ended")]
+pub struct Gone;
+
+/// How a gardener begins.
+#[derive(Debug, Default)]
+pub struct GardenerSettings {
+    /// Whether it plays at once.
+    pub playing: bool,
+    /// Steps a second while playing; `None`: as many as can be.
+    pub pace: Option<f32>,
+    /// Where it saves now and then, and how often at most.
+    pub autosave: Option<(Autosave, Duration)>,
+}
+
+/// Tends a timeline on a thread of its own. A resource, if a host wants it to be one.
+#[derive(Resource, Debug)]
+pub struct Gardener {
+    orders: Sender<Order>,
+    news: Mutex<Receiver<News>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Gardener {
+    /// Sets a gardener to work. The first news is the head as it is.
+    ///
+    /// # Errors
+    /// If the system gives no thread.
+    pub fn start(timeline: Timeline, settings: GardenerSettings) -> io::Result<Self> {
+        let (orders, inbox) = mpsc::channel();
+        let (outbox, news) = mpsc::channel();
+        let thread = thread::Builder::new()
+            .name("burgeon gardener".into())
+            .spawn(move || work::Work::new(timeline, settings, inbox, outbox).run())?;
+        Ok(Self { orders, news: Mutex::new(news), thread: Some(thread) })
+    }
+
+    /// Gives an order and returns at once.
+    ///
+    /// # Errors
+    /// [`Gone`] if the gardener has ended.
+    pub fn order(&self, order: Order) -> Result<(), Gone> {
+        self.orders.send(order).map_err(|_| Gone)
+    }
+
+    /// The next news, if there is any; returns at once.
+    pub fn news(&self) -> Option<News> {
+        self.news.lock().unwrap_or_else(PoisonError::into_inner).try_recv().ok()
+    }
+
+    /// Waits for the next news; `None` if there is none in that time, or the gardener has ended and told all.
+    pub fn wait(&self, longest: Duration) -> Option<News> {
+        self.news.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(longest).ok()
+    }
+
+    /// Whether it has ended.
+    pub fn has_ended(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// Has it save its autosave and end, and waits for that: the rest of a step at most, and the writing.
+    pub fn quit(mut self) {
+        let _ = self.order(Order::Quit);
+        if let Some(thread) = self.thread.take() {
+            // Should it have panicked, there is nothing left to wait for.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for Gardener {
+    /// Tells it to end, and does not wait.
+    fn drop(&mut self) {
+        let _ = self.order(Order::Quit);
+    }
+}

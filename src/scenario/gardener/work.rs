@@ -1,0 +1,343 @@
+//! What a gardener does all day.
+
+use std::collections::VecDeque;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
+use std::time::{Duration, Instant};
+
+use super::{GardenerError, GardenerSettings, News, Order, Progress};
+use crate::assets::Opened;
+use crate::files::{SharedTree, is_save, write_whole};
+use crate::scenario::{Autosave, SavedRun, Timeline, Visit};
+
+/// Whether to go on.
+#[derive(PartialEq, Eq)]
+enum Then {
+    GoOn,
+    End,
+}
+
+pub(super) struct Work {
+    timeline: Timeline,
+    inbox: Receiver<Order>,
+    outbox: Sender<News>,
+    /// Orders that came and wait.
+    orders: VecDeque<Order>,
+    playing: bool,
+    pace: Option<f32>,
+    /// When the next step is to be grown while playing.
+    due: Instant,
+    visit: Option<Visit>,
+    autosave: Option<(Autosave, Duration)>,
+    saved: Instant,
+    changed: bool,
+}
+
+impl Work {
+    pub fn new(
+        timeline: Timeline,
+        settings: GardenerSettings,
+        inbox: Receiver<Order>,
+        outbox: Sender<News>,
+    ) -> Self {
+        let now = Instant::now();
+        let mut work = Self {
+            timeline,
+            inbox,
+            outbox,
+            orders: VecDeque::new(),
+            playing: settings.playing,
+            pace: None,
+            due: now,
+            visit: None,
+            autosave: settings.autosave,
+            saved: now,
+            changed: false,
+        };
+        work.set_pace(settings.pace.unwrap_or_default());
+        work
+    }
+
+    /// Works until told to end, or until nobody can tell any more.
+    pub fn run(mut self) {
+        self.tell_changed(None);
+        while self.hear() == Then::GoOn {
+            if let Some(order) = self.orders.pop_front() {
+                if self.is_overtaken(&order) {
+                    continue;
+                }
+                match self.obey(order) {
+                    Ok(Then::GoOn) => {}
+                    Ok(Then::End) => break,
+                    Err(why) => self.tell(News::Refused(why)),
+                }
+            } else if self.visit.is_some() {
+                self.walk();
+            } else if self.has_to_grow() {
+                self.grow();
+            }
+            self.save_now_and_then(false);
+        }
+        self.save_now_and_then(true);
+        self.tell(News::Ended);
+    }
+
+    /// A host that no longer listens will not miss it.
+    fn tell(&self, news: News) {
+        let _ = self.outbox.send(news);
+    }
+
+    fn has_to_grow(&self) -> bool {
+        self.timeline.catching_up().is_some() || (self.playing && Instant::now() >= self.due)
+    }
+
+    /// Takes in the orders that have come; waits for one while there is nothing else to do.
+    fn hear(&mut self) -> Then {
+        if self.orders.is_empty() && self.visit.is_none() && !self.has_to_grow() {
+            let first = match self.until_something_is_due() {
+                Some(time) => self.inbox.recv_timeout(time),
+                None => self.inbox.recv().map_err(|_| RecvTimeoutError::Disconnected),
+            };
+            match first {
+                Ok(order) => self.orders.push_back(order),
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return Then::End,
+            }
+        }
+        loop {
+            match self.inbox.try_recv() {
+                Ok(order) => self.orders.push_back(order),
+                Err(TryRecvError::Empty) => return Then::GoOn,
+                Err(TryRecvError::Disconnected) if self.orders.is_empty() => return Then::End,
+                Err(TryRecvError::Disconnected) => return Then::GoOn,
+            }
+        }
+    }
+
+    fn until_something_is_due(&self) -> Option<Duration> {
+        let now = Instant::now();
+        let step = self.playing.then(|| self.due.saturating_duration_since(now));
+        let save = self.autosave.as_ref().filter(|_| self.changed);
+        let save = save.map(|(_, every)| every.saturating_sub(now.saturating_duration_since(self.saved)));
+        step.into_iter().chain(save).min()
+    }
+
+    /// Whether the next order makes this one needless, as while dragging or scrubbing.
+    fn is_overtaken(&self, order: &Order) -> bool {
+        match (order, self.orders.front()) {
+            (Order::Seek(_), Some(Order::Seek(_))) => true,
+            (
+                Order::Edit { step, edit, drag: true },
+                Some(Order::Edit { step: next_step, edit: next, drag: true }),
+            ) => step == next_step && next.replaces(edit),
+            _ => false,
+        }
+    }
+
+    fn obey(&mut self, order: Order) -> Result<Then, GardenerError> {
+        match order {
+            Order::Play => self.play(true),
+            Order::Pause => self.play(false),
+            Order::Step => self.grow(),
+            Order::Pace(pace) => {
+                self.set_pace(pace);
+                self.tell(News::Status(self.progress()));
+            }
+            Order::Seek(step) => self.seek(step)?,
+            Order::SeekGhost(step) => {
+                let view = self.timeline.ghost().and_then(|ghost| ghost.view(step));
+                self.tell(News::GhostSeen(step, view));
+            }
+            Order::DropGhost => {
+                self.timeline.drop_ghost();
+                self.tell(News::Status(self.progress()));
+            }
+            Order::Edit { step, edit, drag } => {
+                let step = step.unwrap_or(self.timeline.present());
+                let outcome =
+                    if drag { self.timeline.amend(step, edit)? } else { self.timeline.edit(step, edit)? };
+                self.change(outcome.map(|outcome| outcome.shed));
+            }
+            Order::Undo => {
+                self.timeline.undo().ok_or(GardenerError::Nothing("undo"))?;
+                self.change(None);
+            }
+            Order::Redo => {
+                self.timeline.redo().ok_or(GardenerError::Nothing("redo"))?;
+                self.change(None);
+            }
+            Order::Restart => {
+                self.timeline.restart();
+                self.change(None);
+            }
+            Order::Seed(seed) => {
+                self.timeline.reseed(seed)?;
+                self.change(None);
+            }
+            Order::Begin(resolved, seed) => {
+                let timeline =
+                    Timeline::new(*resolved, seed, self.timeline.library(), self.timeline.workers())?;
+                self.take_up(timeline);
+            }
+            Order::Load(path) => self.load(&path)?,
+            Order::LoadCode(code) => self.take_up_shared(SharedTree::from_code(&code)?)?,
+            Order::Save(path) => {
+                self.timeline.save().write(&path)?;
+                self.tell(News::Saved(path));
+            }
+            Order::SaveScenario(path) => {
+                let text = self.timeline.scenario().to_ron();
+                self.write(&path, &text)?;
+            }
+            Order::SaveRun(path) => {
+                let text = self.timeline.run_file().to_ron();
+                self.write(&path, &text)?;
+            }
+            Order::Share => {
+                let code = self.timeline.code()?;
+                self.tell(News::Code(code));
+            }
+            Order::Budget(bytes) => self.timeline.set_budget(bytes),
+            Order::Quit => return Ok(Then::End),
+        }
+        Ok(Then::GoOn)
+    }
+
+    fn play(&mut self, playing: bool) {
+        self.playing = playing;
+        self.due = Instant::now();
+        self.tell(News::Status(self.progress()));
+    }
+
+    fn set_pace(&mut self, pace: f32) {
+        // Slower than a step in a day is no pace.
+        self.pace = (pace.is_finite() && pace > 0.0).then(|| pace.max(1.0e-5));
+        self.due = Instant::now();
+    }
+
+    fn seek(&mut self, step: u32) -> Result<(), GardenerError> {
+        self.visit = None;
+        if let Some(view) = self.timeline.view(step) {
+            self.tell(News::Seen(view));
+            return Ok(());
+        }
+        self.visit = self.timeline.visit(step);
+        match &self.visit {
+            Some(_) => Ok(()),
+            None => Err(self.timeline.not_grown(step).into()),
+        }
+    }
+
+    /// Goes on to the step that is sought.
+    fn walk(&mut self) {
+        let Some(mut visit) = self.visit.take() else { return };
+        match self.timeline.go_on(&mut visit) {
+            Ok(Some(view)) => self.tell(News::Seen(view)),
+            Ok(None) => self.visit = Some(visit),
+            Err(why) => self.tell(News::Refused(why.into())),
+        }
+    }
+
+    fn grow(&mut self) {
+        let catching_up = self.timeline.catching_up().is_some();
+        match self.timeline.advance() {
+            Ok(_) => {
+                self.changed = true;
+                if !catching_up {
+                    let beat = self.pace.map_or(Duration::ZERO, |pace| Duration::from_secs_f32(1.0 / pace));
+                    // A beat that was missed is not made up for.
+                    self.due = (self.due + beat).max(Instant::now());
+                }
+                if let Some(view) = self.timeline.view(self.timeline.present()) {
+                    self.tell(News::Grown(view, self.progress()));
+                }
+            }
+            Err(why) => {
+                self.playing = false;
+                self.tell(News::Stopped(why));
+                self.tell(News::Status(self.progress()));
+            }
+        }
+    }
+
+    /// The timeline was changed by hand.
+    fn change(&mut self, shed: Option<usize>) {
+        self.visit = None;
+        self.changed = true;
+        self.due = Instant::now();
+        self.tell_changed(shed);
+    }
+
+    fn tell_changed(&self, shed: Option<usize>) {
+        if let Some(view) = self.timeline.view(self.timeline.present()) {
+            self.tell(News::Changed { view, progress: self.progress(), shed });
+        }
+    }
+
+    fn load(&mut self, path: &Path) -> Result<(), GardenerError> {
+        let (library, workers) = (self.timeline.library(), self.timeline.workers());
+        if is_save(path) {
+            let timeline = Timeline::resume(SavedRun::read(path)?, library, workers)?;
+            self.take_up(timeline);
+            return Ok(());
+        }
+        // With its folder it is a path, whatever its name.
+        let argument = if path.is_absolute() { path.to_path_buf() } else { Path::new(".").join(path) };
+        let (resolved, seed, steps) = match library.open(&argument.display().to_string())? {
+            Opened::Scenario(resolved) => (*resolved, self.timeline.seed(), 0),
+            Opened::Run(run) => (run.resolved(), run.seed, run.steps),
+        };
+        self.take_up_shared(SharedTree { resolved, edits: Vec::new(), seed, steps })
+    }
+
+    fn take_up_shared(&mut self, shared: SharedTree) -> Result<(), GardenerError> {
+        let (library, workers) = (self.timeline.library(), self.timeline.workers());
+        let timeline = Timeline::from_shared(shared, library, workers)?;
+        self.take_up(timeline);
+        Ok(())
+    }
+
+    fn take_up(&mut self, mut timeline: Timeline) {
+        timeline.adopt_settings(&self.timeline);
+        self.timeline = timeline;
+        self.change(None);
+    }
+
+    fn write(&self, path: &Path, text: &str) -> Result<(), GardenerError> {
+        write_whole(path, &[text.as_bytes()])
+            .map_err(|source| GardenerError::Write { path: path.into(), source })?;
+        self.tell(News::Saved(path.into()));
+        Ok(())
+    }
+
+    fn save_now_and_then(&mut self, now: bool) {
+        let Some((autosave, every)) = &mut self.autosave else { return };
+        if !self.changed || !(now || self.saved.elapsed() >= *every) {
+            return;
+        }
+        // What fails is tried again when it is due again, not at once.
+        self.saved = Instant::now();
+        match autosave.write(&self.timeline.save()) {
+            Ok(()) => self.changed = false,
+            Err(why) => self.tell(News::Refused(why.into())),
+        }
+    }
+
+    fn progress(&self) -> Progress {
+        let timeline = &self.timeline;
+        let (undoable, redoable) = timeline.undoable();
+        Progress {
+            present: timeline.present(),
+            catching_up: timeline.catching_up(),
+            playing: self.playing,
+            pace: self.pace,
+            organs: timeline.now().len(),
+            undoable,
+            redoable,
+            lapsed: timeline.lapsed().count(),
+            ghost: timeline.ghost().map(|ghost| ghost.end()),
+            seed: timeline.seed(),
+            bytes: timeline.bytes(),
+        }
+    }
+}

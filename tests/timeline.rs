@@ -1,0 +1,658 @@
+//! A garden with its past: what a timeline promises.
+
+mod common;
+
+use bevy::prelude::*;
+use burgeon::assets::Library;
+use burgeon::environment::workers::Workers;
+use burgeon::environment::{Sky, SolidShape};
+use burgeon::files::{FileError, ResolvedScenario, RunFile, ShareError, SharedTree};
+use burgeon::limits;
+use burgeon::plant::{Cause, OrganKind, Snapshot};
+use burgeon::scenario::{
+    Edit, EditError, Garden, PlacedLamp, PlacedSolid, PlacedSun, Planting, SavedRun, Scenario, TimedEdit,
+    Timeline, TimelineError, apply,
+};
+use common::check::{check, check_world};
+use common::{grown, quick};
+use proptest::prelude::*;
+
+fn workers() -> Workers {
+    Workers::new(1).unwrap()
+}
+
+/// A small lam_king tree beside a wall, looking around through the smallest faces.
+fn small() -> ResolvedScenario {
+    let mut resolved = quick("figure_1d");
+    resolved.scenario.sensing.leaf_face = 2;
+    resolved.scenario.sensing.bud_face = 3;
+    resolved
+}
+
+fn timeline(steps: u32) -> Timeline {
+    let mut timeline = Timeline::new(small(), 1, Library::embedded(), workers()).unwrap();
+    grow_to(&mut timeline, steps);
+    timeline
+}
+
+fn grow_to(timeline: &mut Timeline, step: u32) {
+    while timeline.present() < step {
+        timeline.advance().unwrap();
+    }
+}
+
+fn catch_up(timeline: &mut Timeline) {
+    while timeline.catching_up().is_some() {
+        timeline.advance().unwrap();
+    }
+}
+
+fn block(name: &str, at: Vec3) -> PlacedSolid {
+    PlacedSolid { name: name.into(), shape: SolidShape::Box { size: Vec3::splat(0.15) }, at, ..default() }
+}
+
+/// The middle of some branch.
+fn on_a_branch(shot: &Snapshot) -> Vec3 {
+    let i = (0..shot.len())
+        .find(|&i| shot.state[i].kind() == OrganKind::Internode && shot.order[i] == 1)
+        .unwrap();
+    shot.pose[i].tip(0.5 * shot.length(i))
+}
+
+/// Hashes by step of a garden grown afresh with the edits that were made and did not lapse.
+fn afresh(timeline: &Timeline, steps: u32) -> Vec<u64> {
+    let mut resolved = timeline.begun().clone();
+    let lapsed: Vec<&TimedEdit> = timeline.lapsed().map(|(edit, _)| edit).collect();
+    let all = resolved.scenario.edits.iter().chain(timeline.made());
+    let edits = all.filter(|edit| !lapsed.contains(edit)).cloned().collect();
+    resolved.scenario.edits = edits;
+    resolved.scenario.order_edits();
+    let mut garden = Garden::new(resolved, timeline.seed(), workers()).unwrap();
+    let mut hashes = vec![garden.snapshot().hash()];
+    for _ in 0..steps {
+        garden.step().unwrap();
+        hashes.push(garden.snapshot().hash());
+    }
+    hashes
+}
+
+fn assert_as_afresh(timeline: &Timeline) {
+    let hashes = afresh(timeline, timeline.present());
+    for (step, hash) in (0..).zip(hashes) {
+        if let Some(shot) = timeline.shot(step) {
+            assert_eq!(shot.hash(), hash, "step {step}");
+        }
+        assert_eq!(timeline.hash(step), (step > 0).then_some(hash), "step {step}");
+    }
+}
+
+#[test]
+fn every_step_can_be_seen_again() {
+    let timeline = timeline(5);
+    let mut garden = Garden::new(small(), 1, workers()).unwrap();
+    for step in 0..=5 {
+        assert_eq!(*timeline.shot(step).unwrap(), garden.snapshot());
+        let view = timeline.view(step).unwrap();
+        assert_eq!((view.step, view.standing.solids.len()), (step, 1));
+        assert_eq!(view.record.map(|r| r.step), (step > 0).then_some(step));
+        garden.step().unwrap();
+    }
+    assert!(timeline.shot(6).is_none() && timeline.view(6).is_none() && timeline.visit(6).is_none());
+}
+
+#[test]
+fn an_edit_at_the_head_is_made_at_once_and_undone_at_once() {
+    let mut timeline = timeline(5);
+    let before = timeline.now();
+    let shed = timeline.edit(5, Edit::PlaceSolid(block("b", on_a_branch(&before)))).unwrap().unwrap().shed;
+    assert!(shed > 0);
+    assert_eq!(timeline.now().len(), before.len() - shed);
+    assert_eq!(timeline.shot(5).unwrap(), before, "the step itself was before its edits");
+    assert_eq!(timeline.standing(5).unwrap().solids.len(), 2);
+    assert_eq!((timeline.catching_up(), timeline.ghost().is_some()), (None, false), "nothing to regrow");
+    assert_eq!(timeline.fallen().iter().filter(|t| t.cause == Cause::Crushed).count(), shed);
+
+    assert!(timeline.undo().is_some());
+    assert_eq!(timeline.now(), before);
+    assert_eq!(timeline.standing(5).unwrap().solids.len(), 1);
+    assert!(timeline.fallen().iter().all(|t| t.cause != Cause::Crushed));
+    timeline.redo().unwrap();
+    assert_eq!(timeline.now().len(), before.len() - shed);
+    timeline.advance().unwrap();
+    assert_as_afresh(&timeline);
+}
+
+#[test]
+fn an_edit_at_an_earlier_step_forks_and_the_old_course_stays_as_a_ghost() {
+    let mut timeline = timeline(6);
+    let old = timeline.shot(6).unwrap();
+    timeline.edit(2, Edit::Remove { name: "wall".into() }).unwrap();
+    assert_eq!((timeline.present(), timeline.catching_up()), (2, Some(6)));
+    assert_eq!(timeline.standing(2).unwrap().solids.len(), 0);
+    assert_eq!(timeline.standing(1).unwrap().solids.len(), 1, "before that it stood there");
+    catch_up(&mut timeline);
+    assert_eq!(timeline.present(), 6);
+    assert_as_afresh(&timeline);
+    assert_ne!(timeline.shot(6).unwrap(), old, "without the wall another tree");
+    let ghost = timeline.ghost().unwrap();
+    assert_eq!((ghost.end(), ghost.shot(6).unwrap(), ghost.record(6).unwrap().step), (6, old.clone(), 6));
+
+    // That course is known: undoing needs no growing.
+    timeline.undo().unwrap();
+    assert_eq!((timeline.present(), timeline.catching_up()), (6, None));
+    assert_eq!(timeline.shot(6).unwrap(), old);
+    assert_as_afresh(&timeline);
+}
+
+#[test]
+fn the_ghost_is_the_course_before_the_drag_not_half_of_it() {
+    let mut timeline = timeline(6);
+    let old = timeline.shot(6).unwrap();
+    let moved = |x: f32| Edit::Move { name: "wall".into(), to: Vec3::new(x, 1.5, 0.0), turn_deg: 0.0 };
+    timeline.edit(3, moved(0.6)).unwrap();
+    for k in 1..20 {
+        timeline.amend(3, moved(0.6 + 0.05 * k as f32)).unwrap();
+        if k % 7 == 0 {
+            timeline.advance().unwrap();
+        }
+    }
+    assert_eq!(timeline.undoable(), (1, 0), "a drag is one edit");
+    catch_up(&mut timeline);
+    assert_as_afresh(&timeline);
+    assert_eq!(timeline.ghost().unwrap().shot(6).unwrap(), old);
+    assert_eq!(timeline.made()[0].edit, moved(0.6 + 0.05 * 19.0));
+    // What is not the same thing again is an edit of its own.
+    timeline.amend(6, moved(1.0)).unwrap();
+    timeline.amend(6, Edit::Sun(None)).unwrap();
+    assert_eq!(timeline.undoable(), (3, 0));
+}
+
+#[test]
+fn a_drag_over_living_wood_crushes_only_where_it_ends() {
+    let mut timeline = timeline(5);
+    let whole = timeline.now();
+    timeline.edit(5, Edit::PlaceSolid(block("b", Vec3::new(9.0, 1.0, 0.0)))).unwrap();
+    let to = |at: Vec3| Edit::Move { name: "b".into(), to: at, turn_deg: 0.0 };
+    timeline.edit(5, to(Vec3::new(8.0, 1.0, 0.0))).unwrap();
+    assert!(timeline.amend(5, to(on_a_branch(&whole))).unwrap().unwrap().shed > 0);
+    assert_eq!(timeline.amend(5, to(Vec3::new(7.0, 1.0, 0.0))).unwrap().unwrap().shed, 0);
+    assert_eq!(timeline.now(), whole, "it was only passed over");
+}
+
+#[test]
+fn an_edit_that_lost_its_ground_lapses_and_comes_back() {
+    let mut timeline = timeline(6);
+    let shot = timeline.now();
+    let cut = (0..shot.len()).rev().find(|&i| shot.state[i].kind() == OrganKind::Internode).unwrap();
+    timeline.edit(6, Edit::Prune { plant: 0, lineage: shot.lineage[cut].0 }).unwrap();
+    timeline
+        .edit(6, Edit::Move { name: "wall".into(), to: Vec3::new(2.0, 1.5, 0.0), turn_deg: 0.0 })
+        .unwrap();
+    // Cut low, the branch never grows; and the wall is gone.
+    timeline.edit(2, Edit::Top { plant: 0, above: 0.0 }).unwrap();
+    timeline.edit(3, Edit::Remove { name: "wall".into() }).unwrap();
+    catch_up(&mut timeline);
+    assert_eq!(timeline.lapsed().count(), 2);
+    assert!(timeline.lapsed().any(|(_, why)| why.contains("lineage")));
+    timeline.scenario().validate().unwrap();
+    assert_eq!(timeline.scenario().edits.len(), 2);
+    assert_as_afresh(&timeline);
+    timeline.undo().unwrap();
+    timeline.undo().unwrap();
+    catch_up(&mut timeline);
+    assert_eq!(timeline.lapsed().count(), 0);
+    timeline.advance().unwrap();
+    assert_as_afresh(&timeline);
+}
+
+#[test]
+fn what_cannot_be_done_is_told_and_changes_nothing() {
+    let mut timeline = timeline(3);
+    let before = (timeline.now(), timeline.standing(3), timeline.scenario());
+    let invalid = |e: &TimelineError| matches!(e, TimelineError::Invalid(_));
+    let wall = block("wall", Vec3::ZERO);
+    let far = block("far", Vec3::splat(f32::NAN));
+    let cases: [(u32, Edit, fn(&TimelineError) -> bool); 9] = [
+        (4, Edit::Sun(None), |e| matches!(e, TimelineError::NotGrown { step: 4, last: 3 })),
+        (3, Edit::PlaceSolid(wall), invalid),
+        (3, Edit::PlaceSolid(far), invalid),
+        (1, Edit::Remove { name: "lamp".into() }, invalid),
+        (3, Edit::Uproot { plant: 1 }, invalid),
+        (3, Edit::Duplicate { name: "wall".into(), copy: "wall".into(), to: Vec3::ZERO }, invalid),
+        (3, Edit::Sky(Sky { strength: -1.0, ..default() }), invalid),
+        (3, Edit::Prune { plant: 0, lineage: 1 }, |e| {
+            matches!(e, TimelineError::Edit(EditError::NoSuchOrgan { .. }))
+        }),
+        (3, Edit::Plant(Planting { species: "elm".into(), ..default() }), |e| {
+            matches!(e, TimelineError::Species(FileError::NoSuchSpecies { .. }))
+        }),
+    ];
+    for (step, edit, expected) in cases {
+        let error = timeline.edit(step, edit.clone()).unwrap_err();
+        assert!(expected(&error), "{edit:?}: {error:?}");
+        assert_eq!((timeline.now(), timeline.standing(3), timeline.scenario()), before);
+        assert_eq!(timeline.undoable(), (0, 0));
+    }
+    let error = timeline.edit(3, Edit::PlaceLamp(PlacedLamp { radius: -1.0, ..default() })).unwrap_err();
+    assert_eq!(error.to_string(), "`radius` is -1; allowed: 0.001 to 100");
+    assert!(timeline.undo().is_none() && timeline.redo().is_none());
+}
+
+#[test]
+fn other_seeds_and_restarts_keep_the_edits() {
+    let mut timeline = timeline(5);
+    let first = timeline.now();
+    timeline.edit(3, Edit::Remove { name: "wall".into() }).unwrap();
+    catch_up(&mut timeline);
+    let free = timeline.now();
+    timeline.restart();
+    assert_eq!((timeline.present(), timeline.catching_up()), (0, None));
+    assert_eq!(timeline.ghost().unwrap().end(), 5);
+    timeline.restart();
+    assert_eq!(timeline.present(), 0);
+    grow_to(&mut timeline, 5);
+    assert_eq!(timeline.now(), free);
+    timeline.reseed(2).unwrap();
+    assert_eq!((timeline.present(), timeline.seed()), (0, 2));
+    grow_to(&mut timeline, 5);
+    assert_as_afresh(&timeline);
+    assert_ne!(timeline.now(), free);
+    assert_eq!(timeline.ghost().unwrap().seed(), 1);
+    timeline.undo().unwrap();
+    timeline.reseed(1).unwrap();
+    grow_to(&mut timeline, 5);
+    assert_eq!(timeline.now(), first);
+}
+
+#[test]
+fn steps_beyond_the_budget_are_thinned_and_reached_by_growing() {
+    let mut full = timeline(12);
+    let whole: Vec<_> = (0..=12).map(|step| full.view(step).unwrap()).collect();
+    let budget = full.bytes() / 3;
+    let mut timeline = Timeline::new(small(), 1, Library::embedded(), workers()).unwrap();
+    timeline.set_budget(budget);
+    grow_to(&mut timeline, 12);
+    assert!(timeline.bytes() <= budget);
+    let missing: Vec<u32> = (0..=12).filter(|&step| timeline.shot(step).is_none()).collect();
+    assert!(missing.len() > 3 && !missing.contains(&0) && !missing.contains(&12), "{missing:?}");
+    for step in missing {
+        assert_eq!(timeline.record(step).map(|r| r.form), full.record(step).map(|r| r.form));
+        let mut visit = timeline.visit(step).unwrap();
+        let view = loop {
+            if let Some(view) = timeline.go_on(&mut visit).unwrap() {
+                break view;
+            }
+        };
+        assert_eq!((view.step, &view.shot), (step, &whole[step as usize].shot));
+        assert_eq!(view.standing, whole[step as usize].standing);
+    }
+    assert!(timeline.bytes() <= budget);
+    // A fork between two that are kept.
+    for timeline in [&mut timeline, &mut full] {
+        timeline.edit(5, Edit::Remove { name: "wall".into() }).unwrap();
+        catch_up(timeline);
+        assert_as_afresh(timeline);
+    }
+    assert_eq!(timeline.now(), full.now());
+}
+
+#[test]
+fn previews_count_what_an_edit_sheds() {
+    let mut timeline = timeline(6);
+    let shot = timeline.now();
+    let wall = block("b", on_a_branch(&shot));
+    let standing = burgeon::environment::StandingSolid {
+        shape: wall.shape,
+        position: wall.at,
+        rotation: Quat::IDENTITY,
+        color: [0.0; 3],
+    };
+    let crushed = timeline.crush_preview(&standing);
+    let cut = (0..shot.len()).find(|&i| shot.order[i] == 1).unwrap();
+    let borne = timeline.prune_preview(shot.birth[cut]);
+    assert_eq!(timeline.now(), shot, "nothing has changed");
+    let shed = timeline.edit(6, Edit::PlaceSolid(wall)).unwrap().unwrap().shed;
+    assert!(shed > 0 && crushed.len() == shed);
+    let left = timeline.now();
+    assert!(crushed.iter().all(|&birth| left.index_of(birth).is_none()));
+    timeline.undo().unwrap();
+    let prune = Edit::Prune { plant: 0, lineage: shot.lineage[cut].0 };
+    assert_eq!(timeline.edit(6, prune).unwrap().unwrap().shed, borne.len());
+    assert!(borne.len() > 1 && timeline.prune_preview(shot.birth[cut]).is_empty());
+}
+
+#[test]
+fn plants_of_other_species_come_from_the_library() {
+    let mut timeline = timeline(3);
+    let oak = Planting { species: "oak".into(), at: Vec3::new(-2.0, 0.0, 0.0), ..default() };
+    timeline.edit(1, Edit::Plant(oak)).unwrap();
+    let set = Edit::Set { species: "oak".into(), parameter: "leaf_income".into(), value: "3".into() };
+    timeline.edit(2, set).unwrap();
+    catch_up(&mut timeline);
+    assert_eq!(timeline.now().plants.len(), 2);
+    timeline.undo().unwrap();
+    timeline.undo().unwrap();
+    timeline.redo().unwrap();
+    timeline.redo().unwrap();
+    catch_up(&mut timeline);
+    let run = RunFile::from_ron(&timeline.run_file().to_ron(), "run.ron").unwrap();
+    let again = grown(run.resolved(), run.seed, run.steps);
+    assert_eq!(again.snapshot(), *timeline.shot(3).unwrap());
+}
+
+#[test]
+fn four_thousand_undo_steps() {
+    let mut timeline = timeline(2);
+    let first = (timeline.now(), timeline.standing(2));
+    for k in 0..4000 {
+        let to = Vec3::new(2.0 + 0.001 * k as f32, 1.5, 0.0);
+        timeline.edit(2, Edit::Move { name: "wall".into(), to, turn_deg: 0.0 }).unwrap();
+    }
+    let last = (timeline.now(), timeline.standing(2));
+    assert_eq!(timeline.undoable(), (4000, 0));
+    while timeline.undo().is_some() {}
+    assert_eq!((timeline.now(), timeline.standing(2)), first);
+    assert_eq!(timeline.undoable(), (0, 4000));
+    while timeline.redo().is_some() {}
+    assert_eq!((timeline.now(), timeline.standing(2)), last);
+    timeline.scenario().validate().unwrap();
+}
+
+#[test]
+fn what_is_left_grows_the_same_tree() {
+    let mut resolved = small();
+    resolved.species.get_mut("lam_king").unwrap().leaf_income = 2.5;
+    resolved.species.get_mut("lam_king").unwrap().branching_angles_deg = [50.0, 45.5].into();
+    let mut timeline = Timeline::new(resolved, 7, Library::embedded(), workers()).unwrap();
+    grow_to(&mut timeline, 5);
+    timeline.edit(3, Edit::PlaceLamp(PlacedLamp { name: "l".into(), ..default() })).unwrap();
+    catch_up(&mut timeline);
+    timeline.edit(5, Edit::Sun(Some(PlacedSun::default()))).unwrap();
+    timeline.advance().unwrap();
+    let tree = timeline.shot(6).unwrap();
+
+    // run.ron, with hashes.
+    let run = RunFile::from_ron(&timeline.run_file().to_ron(), "run.ron").unwrap();
+    assert_eq!((run.seed, run.steps, run.hashes.get(6)), (7, 6, Some(tree.hash())));
+    assert_eq!(grown(run.resolved(), run.seed, 6).snapshot(), *tree);
+
+    // A scenario, which names species only: what differs from the library is set by edits.
+    let text = timeline.scenario().to_ron();
+    let read = Library::embedded().read(&text, "left.ron", None).unwrap();
+    assert_eq!(read.scenario.steps, 6);
+    let again = grown(read, 7, 6).snapshot();
+    assert_eq!((again.pose.clone(), again.flow), (tree.pose.clone(), tree.flow.clone()));
+
+    // A save, with all that can be undone.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tree.save");
+    timeline.drop_ghost();
+    timeline.undo().unwrap();
+    timeline.drop_ghost();
+    timeline.redo().unwrap();
+    timeline.save().write(&path).unwrap();
+    let mut again = Timeline::resume(SavedRun::read(&path).unwrap(), Library::embedded(), workers()).unwrap();
+    assert_eq!((again.now(), again.present(), again.catching_up()), (timeline.now(), 5, Some(6)));
+    assert_eq!((again.made(), again.scenario()), (timeline.made(), timeline.scenario()));
+    catch_up(&mut again);
+    assert_eq!(again.shot(6).unwrap(), tree);
+    let mut visit = again.visit(4).unwrap();
+    while again.go_on(&mut visit).unwrap().is_none() {}
+    assert_eq!(again.shot(3), timeline.shot(3));
+    again.undo().unwrap();
+    again.undo().unwrap();
+    catch_up(&mut again);
+    assert_as_afresh(&again);
+    // An older save without a history.
+    let mut plain = timeline.save();
+    plain.history = None;
+    let again = Timeline::resume(plain, Library::embedded(), workers()).unwrap();
+    assert_eq!((again.now(), again.undoable()), (timeline.now(), (0, 0)));
+}
+
+#[test]
+fn new_edits_read_back_and_are_checked() {
+    let edits = [
+        Edit::Pose {
+            name: "wall".into(),
+            to: Vec3::new(1.0, 2.0, 3.0),
+            rotation_deg: Vec3::new(10.0, -20.0, 30.0),
+            scale: Vec3::new(1.0, 2.0, 0.5),
+        },
+        Edit::Duplicate { name: "wall".into(), copy: "twin".into(), to: Vec3::new(4.0, 1.0, 0.0) },
+        Edit::PlaceLamp(PlacedLamp { name: "l".into(), ..default() }),
+        Edit::Shine { name: "l".into(), strength: 40.0, radius: 0.1 },
+    ];
+    let mut scenario = small().scenario;
+    scenario.edits = edits.into_iter().map(|edit| TimedEdit { step: 1, edit }).collect();
+    assert_eq!(Scenario::from_ron(&scenario.to_ron(), "edits.ron").unwrap(), scenario);
+
+    let mut garden = grown(small(), 1, 1);
+    for edit in &scenario.edits {
+        apply(garden.world_mut(), &edit.edit).unwrap();
+    }
+    let standing = burgeon::scenario::Fixtures::take(garden.world_mut());
+    let wall = standing.solids.iter().find(|s| s.name == "wall").unwrap();
+    let twin = standing.solids.iter().find(|s| s.name == "twin").unwrap();
+    assert_eq!((wall.position, twin.position), (Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.0, 0.0)));
+    assert_eq!((wall.thing, wall.rotation, wall.scale), (twin.thing, twin.rotation, twin.scale));
+    let SolidShape::Box { size } = wall.standing().shape else { panic!() };
+    assert!(size.abs_diff_eq(Vec3::new(0.2, 6.0, 2.5), 1e-6));
+    let expected =
+        Quat::from_euler(EulerRot::YXZ, -20_f32.to_radians(), 10_f32.to_radians(), 30_f32.to_radians());
+    assert_eq!(wall.rotation, expected);
+    assert_eq!((standing.lamps[0].thing.strength, standing.lamps[0].thing.radius), (40.0, 0.1));
+    // What a gizmo leaves comes back as it was set.
+    let Edit::Pose { rotation_deg, scale, .. } = Edit::posing("wall", &wall.transform()) else { panic!() };
+    assert!(rotation_deg.abs_diff_eq(Vec3::new(10.0, -20.0, 30.0), 1e-3) && scale == wall.scale);
+
+    let wrong = |edit: &str| {
+        let text = format!("(solids: [(name: \"a\")],\nedits: [(step: 1, edit: {edit})])");
+        match Scenario::from_ron(&text, "edits.ron") {
+            Err(FileError::Invalid { field, at, .. }) if at.line == Some(2) => field,
+            other => panic!("{other:?}"),
+        }
+    };
+    let pose = |name: &str, turn: f32, scale: f32| {
+        format!("Pose(name: \"{name}\", to: (0, 1, 0), rotation_deg: ({turn}, 0, 0), scale: (1, {scale}, 1))")
+    };
+    assert_eq!(wrong(&pose("b", 0.0, 1.0)), "edits[0].edit.name");
+    assert_eq!(wrong(&pose("a", 999.0, 1.0)), "edits[0].edit.rotation_deg");
+    assert_eq!(wrong(&pose("a", 0.0, 0.0)), "edits[0].edit.scale");
+    assert_eq!(wrong("Duplicate(name: \"a\", copy: \"a\", to: (0, 0, 0))"), "edits[0].edit.copy");
+    assert_eq!(wrong("Shine(name: \"a\", strength: 1, radius: 1)"), "edits[0].edit.name");
+}
+
+/// What someone might do next.
+#[derive(Debug, Clone)]
+enum Act {
+    Advance(u32),
+    Edit { back: u32, edit: Edit, drag: bool },
+    Prune { back: u32, which: prop::sample::Index },
+    Undo,
+    Redo,
+}
+
+fn place() -> impl Strategy<Value = Vec3> {
+    (-0.6_f32..0.6, 0.1_f32..1.2, -0.6_f32..0.6).prop_map(Vec3::from)
+}
+
+fn edits() -> impl Strategy<Value = Edit> {
+    let name = || prop_oneof![Just("wall".to_string()), Just("b".to_string()), Just("l".to_string())];
+    prop_oneof![
+        3 => place().prop_map(|at| Edit::PlaceSolid(block("b", at))),
+        2 => (name(), place()).prop_map(|(name, to)| Edit::Move { name, to, turn_deg: 15.0 }),
+        1 => (name(), place()).prop_map(|(name, to)| Edit::Pose {
+            name, to, rotation_deg: to * 20.0, scale: Vec3::splat(0.7),
+        }),
+        2 => name().prop_map(|name| Edit::Remove { name }),
+        1 => place().prop_map(|at| Edit::PlaceLamp(PlacedLamp { name: "l".into(), at, ..default() })),
+        1 => (0.3_f32..1.0).prop_map(|above| Edit::Top { plant: 0, above }),
+        1 => (0.2_f32..2.0).prop_map(|strength| Edit::Sky(Sky { strength, ..default() })),
+        1 => (1.0_f32..4.0).prop_map(|income| Edit::Set {
+            species: "lam_king".into(), parameter: "leaf_income".into(), value: income.to_string(),
+        }),
+        1 => place().prop_map(|at| Edit::Plant(Planting { at: at.with_y(0.0), seed: 3, ..default() })),
+        1 => Just(Edit::Uproot { plant: 1 }),
+    ]
+}
+
+fn acts() -> impl Strategy<Value = Act> {
+    prop_oneof![
+        3 => (1_u32..3).prop_map(Act::Advance),
+        5 => (0_u32..5, edits(), any::<bool>()).prop_map(|(back, edit, drag)| Act::Edit { back, edit, drag }),
+        2 => (0_u32..4, any::<prop::sample::Index>()).prop_map(|(back, which)| Act::Prune { back, which }),
+        3 => Just(Act::Undo),
+        2 => Just(Act::Redo),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// Whatever is done in whatever order: every step is that of a garden grown afresh with the edits that stand.
+    #[test]
+    fn history_does_not_matter(acts in prop::collection::vec(acts(), 1..14), tight in any::<bool>()) {
+        let mut timeline = timeline(4);
+        if tight {
+            timeline.set_budget(30_000);
+        }
+        for act in acts {
+            match act {
+                Act::Advance(steps) => {
+                    for _ in 0..steps {
+                        if timeline.present() < 6 {
+                            timeline.advance().unwrap();
+                        }
+                    }
+                }
+                Act::Edit { back, edit, drag } => {
+                    let step = timeline.present().saturating_sub(back);
+                    let _ = if drag { timeline.amend(step, edit) } else { timeline.edit(step, edit) };
+                }
+                Act::Prune { back, which } => {
+                    let step = timeline.present().saturating_sub(back);
+                    if let Some(shot) = timeline.shot(step).filter(|shot| shot.len() > 1) {
+                        let i = which.index(shot.len());
+                        let _ = timeline.edit(step, Edit::Prune { plant: shot.plant[i], lineage: shot.lineage[i].0 });
+                    }
+                }
+                Act::Undo => {
+                    timeline.undo();
+                }
+                Act::Redo => {
+                    timeline.redo();
+                }
+            }
+        }
+        catch_up(&mut timeline);
+        assert_as_afresh(&timeline);
+        prop_assert_eq!(check(&timeline.now()), Ok(()));
+        let saved = timeline.save();
+        prop_assert_eq!(saved.check().map_err(|e| e.to_string()), Ok(()));
+        // And one step on, which shows that the edits at the head were made.
+        timeline.advance().unwrap();
+        let mut resumed = Timeline::resume(saved, Library::embedded(), workers()).unwrap();
+        resumed.advance().unwrap();
+        assert_as_afresh(&timeline);
+        let head = timeline.present();
+        prop_assert_eq!(resumed.hash(head), timeline.hash(head));
+        prop_assert_eq!(resumed.lapsed().count(), timeline.lapsed().count());
+        while timeline.undo().is_some() {}
+        catch_up(&mut timeline);
+        assert_as_afresh(&timeline);
+    }
+}
+
+#[test]
+fn the_world_behind_it_stays_whole() {
+    let mut timeline = timeline(5);
+    timeline.edit(2, Edit::Top { plant: 0, above: 0.1 }).unwrap();
+    catch_up(&mut timeline);
+    let mut garden = Garden::resume(timeline.save().garden, workers()).unwrap();
+    check_world(garden.world_mut()).unwrap();
+    assert_eq!(garden.snapshot(), *timeline.shot(5).unwrap());
+}
+
+fn regrown(code: &str) -> Timeline {
+    let shared = SharedTree::from_code(code).unwrap();
+    let mut again = Timeline::from_shared(shared, Library::embedded(), workers()).unwrap();
+    catch_up(&mut again);
+    again
+}
+
+#[test]
+fn a_code_of_under_thirty_characters_grows_a_shipped_scenario() {
+    for name in Library::embedded().scenario_names() {
+        let resolved = Library::embedded().scenario(&name).unwrap();
+        for (seed, steps) in [(1, 20), (u64::MAX, limits::STEPS)] {
+            let tree = SharedTree { resolved: resolved.clone(), edits: Vec::new(), seed, steps };
+            let code = tree.code().unwrap();
+            assert!(code.len() < 30, "{name}: {code}");
+            assert_eq!(SharedTree::from_code(&code).unwrap(), tree);
+        }
+    }
+    let shipped = Library::embedded().scenario("figure_1d").unwrap();
+    let mut timeline = Timeline::new(shipped, 3, Library::embedded(), workers()).unwrap();
+    grow_to(&mut timeline, 4);
+    let code = timeline.code().unwrap();
+    println!("figure_1d, seed 3, 4 steps: {code}");
+    let again = regrown(&format!(" {}\n{} ", &code[..5], &code[5..]));
+    assert_eq!((again.present(), again.hash(4)), (4, timeline.hash(4)));
+}
+
+#[test]
+fn a_code_holds_edits_changed_parameters_and_scenarios_of_ones_own() {
+    let mut resolved = Library::embedded().scenario("figure_1d").unwrap();
+    resolved.species.get_mut("lam_king").unwrap().leaf_income = 2.345;
+    let mut own = small();
+    own.scenario.name = "my own".into();
+    own.species.get_mut("lam_king").unwrap().description = "Another text.".into();
+    for resolved in [resolved, own] {
+        let mut timeline = Timeline::new(resolved, 9, Library::embedded(), workers()).unwrap();
+        grow_to(&mut timeline, 4);
+        timeline.edit(1, Edit::Plant(Planting { at: Vec3::X * 2.0, ..default() })).unwrap();
+        timeline
+            .edit(2, Edit::Move { name: "wall".into(), to: Vec3::new(0.4, 1.5, 0.1), turn_deg: 7.5 })
+            .unwrap();
+        timeline.edit(3, Edit::Remove { name: "wall".into() }).unwrap();
+        timeline.undo().unwrap();
+        catch_up(&mut timeline);
+        let code = timeline.code().unwrap();
+        println!("{}: {} characters", timeline.begun().scenario.name, code.len());
+        let again = regrown(&code);
+        assert_eq!(again.hash(4), timeline.hash(4));
+        assert_eq!(again.made(), timeline.made());
+    }
+}
+
+#[test]
+fn what_is_no_code_is_told() {
+    let mut timeline = timeline(2);
+    timeline.edit(1, Edit::Remove { name: "wall".into() }).unwrap();
+    catch_up(&mut timeline);
+    let code = timeline.code().unwrap();
+    for i in 0..code.len() {
+        let other = if code.as_bytes()[i] == b'A' { "B" } else { "A" };
+        let mut bad = code.clone();
+        bad.replace_range(i..=i, other);
+        assert!(
+            matches!(SharedTree::from_code(&bad), Err(ShareError::Check | ShareError::Cut { .. })),
+            "{bad}"
+        );
+        let error = SharedTree::from_code(&code[..i]).unwrap_err();
+        assert!(matches!(error, ShareError::Check | ShareError::Cut { .. }), "{error}");
+    }
+    assert!(matches!(
+        SharedTree::from_code("no code!"),
+        Err(ShareError::Character { at: 8, character: '!' })
+    ));
+    assert_eq!(SharedTree::from_code(&"A".repeat(limits::CODE_CHARACTERS + 1)), Err(ShareError::TooLong));
+}
+
+proptest! {
+    #[test]
+    fn any_text_as_a_code_is_an_error_not_a_panic(text in "[A-Za-z0-9_-]{0,60}|\\PC{0,30}") {
+        prop_assert!(SharedTree::from_code(&text).is_err());
+    }
+}
