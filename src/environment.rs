@@ -15,7 +15,7 @@ pub mod sense;
 pub mod trace;
 pub mod workers;
 
-pub use gather::add_plants;
+pub use gather::{add_plants, capsules};
 pub use plugin::{EnvironmentPlugin, Ground, standing_solids, whole_scene};
 pub use scene::{
     Capsule, Lamp, LeafPatch, Scene, Sky, SkyGradient, Solid, SolidShape, StandingLamp, StandingSolid, Sun,

@@ -76,6 +76,8 @@ pub mod files;
 pub mod growth;
 pub mod limits;
 pub mod plant;
+#[cfg(feature = "render")]
+pub mod render;
 pub mod reproduce;
 pub mod scenario;
 pub mod shape;

@@ -61,7 +61,7 @@ fn corrupt(shot: &mut Snapshot, column: usize, at: usize, how: usize) {
         11 => shot.flow[i].income = x,
         12 => shot.state[i] = shot.state[how % shot.len()],
         13 => match &mut shot.state[i] {
-            OrganState::Internode(wood, _) if how % 2 == 0 => wood.length = x,
+            OrganState::Internode(wood, _) if how.is_multiple_of(2) => wood.length = x,
             OrganState::Internode(wood, _) => wood.radius = x,
             OrganState::ApicalBud(bud, ..) => bud.height_in_branch = x,
             OrganState::LateralBud(bud, _) => bud.rank = x,
