@@ -5,7 +5,6 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::gizmos::transform_gizmo::{TransformGizmoCamera, TransformGizmoFocus, TransformGizmoState};
 use bevy::input::mouse::{AccumulatedMouseMotion, AccumulatedMouseScroll};
 use bevy::prelude::*;
-use bevy_egui::input::EguiWantsInput;
 use bevy_egui::{EguiGlobalSettings, PrimaryEguiContext};
 use bevy_panorbit_camera::{PanOrbitCamera, TrackpadBehavior};
 
@@ -83,7 +82,7 @@ pub(super) fn join_overlays(
 
 /// Lets the camera have the pointer only where nobody else wants it, and lets go of the plants once it was moved.
 pub(super) fn gate(
-    egui: Res<EguiWantsInput>,
+    room: Res<Room>,
     gizmo: Res<TransformGizmoState>,
     buttons: Res<ButtonInput<MouseButton>>,
     moved: Res<AccumulatedMouseMotion>,
@@ -91,7 +90,7 @@ pub(super) fn gate(
     mut framing: ResMut<Framing>,
     mut cameras: Query<&mut PanOrbitCamera>,
 ) {
-    let free = !egui.wants_any_pointer_input() && !gizmo.active && gizmo.hovered_axis.is_none();
+    let free = room.pointer_is_free() && !gizmo.active && gizmo.hovered_axis.is_none();
     for mut camera in &mut cameras {
         // What was begun on the scene goes on over a panel.
         let held = camera.enabled && buttons.any_pressed([MouseButton::Left, MouseButton::Right]);

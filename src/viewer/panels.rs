@@ -64,12 +64,19 @@ pub(super) struct Room {
     right: f32,
     top: f32,
     bottom: f32,
+    /// Whether the pointer is a panel's.
+    pointer_taken: bool,
 }
 
 impl Room {
     /// What the panels take of width and height.
     pub fn beside(&self) -> Vec2 {
         Vec2::new(self.left + self.right, self.top + self.bottom)
+    }
+
+    /// Whether the pointer is the scene's.
+    pub fn pointer_is_free(&self) -> bool {
+        !self.pointer_taken
     }
 
     /// How far the middle of the free part is from the middle of the window, right and up.
@@ -174,8 +181,18 @@ pub(super) fn draw(
             .rect
             .width();
     }
+    overlay(&context, &seen, &mut panels, &mut toasts, left);
+    let whole = context.viewport_rect();
+    let free = egui::Rect::from_min_max(
+        whole.min + egui::vec2(left.left, left.top),
+        whole.max - egui::vec2(left.right, left.bottom),
+    );
+    left.pointer_taken = context.egui_is_using_pointer()
+        || context.pointer_latest_pos().is_some_and(|at| {
+            let floats = context.layer_id_at(at).is_some_and(|layer| layer.order != egui::Order::Background);
+            floats || !free.contains(at)
+        });
     room.set_if_neq(left);
-    overlay(&context, &seen, &mut panels, &mut toasts, *room);
     Ok(())
 }
 

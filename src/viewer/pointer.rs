@@ -2,9 +2,9 @@
 
 use bevy::gizmos::transform_gizmo::TransformGizmoState;
 use bevy::prelude::*;
-use bevy_egui::input::EguiWantsInput;
 
 use super::act::Action;
+use super::panels::Room;
 use super::pick::{hit_ball, pick_organ, pick_solid};
 use super::scene::Thing;
 use super::state::{Chosen, Doomed, Shown, Tool};
@@ -18,7 +18,7 @@ const CLICK: f32 = 5.0;
 pub(super) fn point(
     windows: Query<&Window>,
     cameras: Query<(&Camera, &GlobalTransform), With<Camera3d>>,
-    egui: Res<EguiWantsInput>,
+    room: Res<Room>,
     gizmo: Res<TransformGizmoState>,
     buttons: Res<ButtonInput<MouseButton>>,
     tool: Res<Tool>,
@@ -34,7 +34,7 @@ pub(super) fn point(
         return;
     };
     let Some(cursor) = window.cursor_position() else { return };
-    if gizmo.active || gizmo.hovered_axis.is_some() || egui.wants_any_pointer_input() {
+    if gizmo.active || gizmo.hovered_axis.is_some() || !room.pointer_is_free() {
         *pressed = None;
         return;
     }
