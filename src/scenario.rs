@@ -26,7 +26,7 @@ pub use gardener::{Gardener, GardenerError, GardenerSettings, Gone, News, Order,
 pub use place::{RunSeed, SpeciesBook};
 pub use preview::{borne_by, crushed_by};
 pub use saved::{History, SavedRun};
-pub use timeline::{Ghost, Timeline, TimelineError, View, Visit};
+pub use timeline::{Ghost, Moment, Timeline, TimelineError, View, Visit, Why};
 
 /// A plant in its place.
 #[derive(Debug, Clone, PartialEq, Reflect, Serialize, Deserialize)]
