@@ -29,6 +29,7 @@
 mod course;
 mod leave;
 mod look;
+mod reap;
 mod why;
 
 use std::collections::BTreeMap;

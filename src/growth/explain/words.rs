@@ -6,6 +6,7 @@ use super::{Explanation, Outcome, Sight};
 use crate::environment::cube_map::CubeFace;
 use crate::environment::sense::{Choice, Search, Terms};
 use crate::environment::trace::Seen;
+use crate::growth::shoots::plan;
 use crate::plant::{Cause, LateralBudState, OrganKind, OrganState, Tombstone};
 
 /// The name of a kind of organ in a sentence.
@@ -117,7 +118,7 @@ impl Explanation {
                 "It was given no energy, so it neither looks for a way nor grows; this is step {} without.",
                 bud.starved + 1
             ),
-            _ => format!("{given}, enough for {:.2} m of shoot.", self.allotment / self.species.shoot_cost),
+            _ => format!("{given}, enough for {:.2} m of shoot.", plan(&self.species, self.allotment).length),
         }
     }
 
@@ -167,7 +168,10 @@ impl Explanation {
                 let kept = match off {
                     off if target == Vec3::ZERO || !off.is_finite() => String::new(),
                     off if off < 0.5 => ", just the way it had chosen".into(),
-                    off => format!(", {off:.0}° off the way it had chosen: something stood in it, or chance"),
+                    off if self.species.wander_deg > 0.0 => {
+                        format!(", {off:.0}° off the way it had chosen: no shoot is quite straight")
+                    }
+                    off => format!(", {off:.0}° off the way it had chosen: something stood in it"),
                 };
                 let pieces = if segments == 1 { "1 piece".into() } else { format!("{segments} pieces") };
                 format!("In the next step it grew {length:.2} m in {pieces}, {}{kept}.", way(heading))

@@ -2,9 +2,12 @@
 
 use std::sync::Arc;
 
+use image::RgbImage;
+
 use super::{Fixtures, Garden, GardenError, Snapshot, Timeline, Tombstone};
 use crate::environment::Scene;
 use crate::environment::trace::Tracer;
+use crate::export::picture::{CubeMapView, Palette, cube_map_picture};
 use crate::growth::explain::{Explanation, Outcome, Surroundings, explain_in, whole};
 use crate::growth::{generation, look_around};
 use crate::plant::{Lineage, OrganState};
@@ -39,6 +42,16 @@ pub struct Why {
     pub history: Vec<Moment>,
     /// All it could see.
     pub scene: Arc<Scene>,
+}
+
+impl Why {
+    /// What it saw, drawn: six faces unfolded, in the colours of the plants of a snapshot. `None` if it did not look.
+    pub fn picture(&self, plants: &Snapshot) -> Option<RgbImage> {
+        let sight = self.explanation.sight.as_ref()?;
+        let view = CubeMapView { range: sight.request.probe.space_range, ..CubeMapView::default() };
+        let palette = Palette::of_snapshot(plants);
+        Some(cube_map_picture(&sight.look.map, &Tracer::build(&self.scene), &palette, view))
+    }
 }
 
 impl Timeline {
@@ -76,6 +89,17 @@ impl Timeline {
         if !opens && let Some((shot, setting)) = self.course.start_at(step) {
             return Ok(Some((shot.clone(), around(&setting.fixtures))));
         }
+        let Some(mut garden) = self.grown_again(step)? else { return Ok(None) };
+        if opens {
+            while garden.make_next_edit().is_some() {}
+            open_seeds(&mut garden);
+        }
+        let fixtures = Fixtures::take(garden.world_mut());
+        Ok(Some((Arc::new(garden.snapshot()), around(&fixtures))))
+    }
+
+    /// A garden grown to a step from the last one kept, before the edits of that step. `None` for a step not grown.
+    pub(super) fn grown_again(&self, step: u32) -> Result<Option<Garden>, GardenError> {
         if step > self.present() {
             return Ok(None);
         }
@@ -84,12 +108,7 @@ impl Timeline {
             while garden.make_next_edit().is_some() {}
             garden.step_and_look()?;
         }
-        if opens {
-            while garden.make_next_edit().is_some() {}
-            open_seeds(&mut garden);
-        }
-        let fixtures = Fixtures::take(garden.world_mut());
-        Ok(Some((Arc::new(garden.snapshot()), around(&fixtures))))
+        Ok(Some(garden))
     }
 
     /// Whether a seed opens in the step after a step.
