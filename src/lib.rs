@@ -83,6 +83,8 @@ pub mod scenario;
 pub mod shape;
 pub mod species;
 pub mod tropism;
+#[cfg(feature = "viewer")]
+pub mod viewer;
 
 use bevy::app::PluginGroupBuilder;
 use bevy::prelude::*;
