@@ -144,6 +144,8 @@ parameters! {
         wood_cost: f32 = 0.0, "energy/m3", Range::real(0.0, 1.0e9);
         /// Share of the surplus kept for wood before shoots are fed.
         wood_share: f32 = 0.0, "", Range::real(0.0, 1.0);
+        /// Most of what is stored that wood may take in a step; the rest is put by for later steps.
+        wood_draw: f32 = 1.0, "1/step", Range::real(0.0, 1.0);
         /// Largest share of the organs shed in one step for a deficit.
         shed_share: f32 = 0.2, "", Range::real(0.0, 1.0);
 

@@ -12,7 +12,7 @@ use burgeon::species::Species;
 use common::by_hand::Nursery;
 use common::check::{check, check_solids, check_world};
 use common::measure::{count, mean_position, wood_centroid};
-use common::{grown, over_seeds, quick};
+use common::{garden, grown, over_seeds, quick};
 
 const SEEDS: std::ops::Range<u64> = 1..11;
 
@@ -75,6 +75,21 @@ fn a_tree_whose_only_lamp_goes_out_starves() {
         assert_eq!((plant.ledger.income, plant.ledger.growth), (0.0, 0.0));
         assert!(lit > 5, "it lived by the lamp: {lit}");
         assert_eq!(leaves.last(), Some(&0), "{leaves:?}");
+    }
+}
+
+#[test]
+fn an_oak_in_a_courtyard_is_in_leaf_every_year() {
+    let leaves = over_seeds(1..4, |seed| {
+        let mut garden = garden(quick("courtyard"), seed);
+        (0..26).map(|_| garden.step().unwrap().form.leaves).collect::<Vec<_>>()
+    });
+    println!("courtyard: leaves by step {leaves:?}");
+    for leaves in leaves {
+        // A lean year after a fat one is no more than half of it.
+        for (i, pair) in leaves.windows(2).enumerate().skip(5) {
+            assert!(2 * pair[1] > pair[0], "step {}: {} leaves after {}", i + 2, pair[1], pair[0]);
+        }
     }
 }
 

@@ -61,28 +61,37 @@ pub fn shoot_cost(species: &Species, vigour: f32, order: u32, chance: f32) -> f3
     }
 }
 
-/// Passes in which the part of buds too weak to grow is shared again.
-const SHARED_AGAIN: u32 = 3;
+/// Passes in which the part of buds too weak to grow is shared again, at most.
+const SHARED_AGAIN: u32 = 24;
 
-/// [`flow`], with the part of buds that stay below `least` shared again among the others.
+/// [`flow`], with the part of buds that stay below `least` shared again among the others, until every bud that
+/// gets a part can grow with it. In a poor year few buds grow, the most vigorous, and not all of them too little.
 pub fn settle(mut sinks: Vec<Sink>, total: f32, least: f32, control: impl Fn(u32) -> f32) -> Vec<f32> {
     let mut vigour = flow(&sinks, total, &control);
     for _ in 0..SHARED_AGAIN {
-        let mut weak = false;
-        for (sink, v) in sinks.iter_mut().zip(&vigour) {
-            if sink.kind == SinkKind::Bud && *v < least && sink.demand > 0.0 {
-                sink.kind = SinkKind::Spent;
-                weak = true;
+        let mut weak: Vec<(usize, f32)> = Vec::new();
+        let mut strong = 0;
+        for (i, (sink, &v)) in sinks.iter().zip(&vigour).enumerate() {
+            if sink.kind == SinkKind::Bud && sink.demand > 0.0 {
+                if v < least {
+                    weak.push((i, v));
+                } else {
+                    strong += 1;
+                }
             }
         }
-        if !weak {
+        if strong == 0 {
+            // Too little for each of them: the stronger half goes on.
+            weak.sort_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
+            weak.truncate(weak.len() / 2);
+        }
+        if weak.is_empty() {
             break;
         }
-        let again = flow(&sinks, total, &control);
-        if again.iter().zip(&sinks).all(|(v, s)| s.kind != SinkKind::Bud || *v < least) {
-            break;
+        for (i, _) in weak {
+            sinks[i].kind = SinkKind::Spent;
         }
-        vigour = again;
+        vigour = flow(&sinks, total, &control);
     }
     vigour
 }
@@ -90,45 +99,37 @@ pub fn settle(mut sinks: Vec<Sink>, total: f32, least: f32, control: impl Fn(u32
 /// Vigour that reaches every organ when `total` enters at the base.
 ///
 /// At a fork the main axis (children of the stem's own order) gets `c W_m / (c W_m + (1 - c) W_l)` of it, with
-/// W the demand of all each side bears and c the apical control of the order; within a side by demand.
+/// W the demand of all each side bears and c the apical control of the order; within a side by demand. What bears
+/// no bud that can grow draws nothing to itself, though what it gathers counts for the branch it is on: all that
+/// enters comes to buds.
 pub fn flow(sinks: &[Sink], total: f32, control: impl Fn(u32) -> f32) -> Vec<f32> {
     let mut demand: Vec<f32> = sinks.iter().map(|s| s.demand).collect();
-    // Demand of the children of each stem, main axis and laterals apart.
+    let mut grows: Vec<bool> = sinks.iter().map(|s| s.kind == SinkKind::Bud && s.demand > 0.0).collect();
+    // Demand of the growing children of each stem, main axis and laterals apart.
     let mut main = vec![0.0_f32; sinks.len()];
     let mut lateral = vec![0.0_f32; sinks.len()];
     let mut root_main = 0.0;
     for i in (0..sinks.len()).rev() {
-        if sinks[i].kind == SinkKind::Stem {
-            demand[i] += main[i] + lateral[i];
-        }
+        demand[i] += main[i] + lateral[i];
         match sinks[i].parent {
-            NO_PARENT if sinks[i].kind == SinkKind::Spent => {}
-            NO_PARENT => root_main += demand[i],
+            NO_PARENT if grows[i] => root_main += demand[i],
+            NO_PARENT => {}
             p => {
                 let p = p as usize;
-                if sinks[i].kind == SinkKind::Spent {
+                if !grows[i] {
                     demand[p] += demand[i];
-                } else if sinks[i].order == sinks[p].order {
-                    main[p] += demand[i];
-                } else {
-                    lateral[p] += demand[i];
+                    continue;
                 }
+                grows[p] = true;
+                let side = if sinks[i].order == sinks[p].order { &mut main } else { &mut lateral };
+                side[p] += demand[i];
             }
         }
     }
     let mut vigour = vec![0.0_f32; sinks.len()];
-    for i in 0..sinks.len() {
-        if sinks[i].kind == SinkKind::Spent {
-            continue;
-        }
+    for i in (0..sinks.len()).filter(|&i| grows[i]) {
         vigour[i] = match sinks[i].parent {
-            NO_PARENT => {
-                if root_main > 0.0 {
-                    total * demand[i] / root_main
-                } else {
-                    0.0
-                }
-            }
+            NO_PARENT => total * demand[i] / root_main,
             p => {
                 let p = p as usize;
                 let c = control(sinks[p].order);
@@ -140,4 +141,88 @@ pub fn flow(sinks: &[Sink], total: f32, control: impl Fn(u32) -> f32) -> Vec<f32
         };
     }
     vigour
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn sink(parent: u32, order: u32, kind: SinkKind, demand: f32) -> Sink {
+        Sink { parent, order, kind, demand }
+    }
+
+    /// A stem that bears a tip, and a side twig with a leaf and one bud.
+    fn fork(side: SinkKind) -> Vec<Sink> {
+        vec![
+            sink(NO_PARENT, 0, SinkKind::Stem, 0.0),
+            sink(0, 0, SinkKind::Bud, 0.5),
+            sink(0, 1, SinkKind::Stem, 0.0),
+            sink(2, 1, SinkKind::Spent, 3.0),
+            sink(2, 1, side, 0.5),
+        ]
+    }
+
+    #[test]
+    fn apical_control_weighs_the_main_axis_against_its_laterals() {
+        let vigour = flow(&fork(SinkKind::Bud), 10.0, |_| 0.6);
+        let main = 0.6 * 0.5;
+        let side = 0.4 * 3.5;
+        assert!((vigour[1] - 10.0 * main / (main + side)).abs() < 1e-4);
+        assert!((vigour[4] - 10.0 * side / (main + side)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_twig_whose_buds_rest_leaves_its_part_to_others() {
+        let vigour = flow(&fork(SinkKind::Spent), 10.0, |_| 0.6);
+        assert_eq!(vigour[1], 10.0);
+        assert_eq!(vigour[2], 0.0);
+    }
+
+    #[test]
+    fn in_a_poor_year_a_few_buds_grow_and_not_all_too_little() {
+        let mut sinks = vec![sink(NO_PARENT, 0, SinkKind::Stem, 0.0)];
+        sinks.extend((0..100).map(|i| sink(0, 1, SinkKind::Bud, 0.3 + 0.002 * i as f32)));
+        let vigour = settle(sinks, 5.0, 0.25, |_| 0.5);
+        let grow = vigour[1..].iter().filter(|v| **v > 0.0).count();
+        assert!((5..=20).contains(&grow), "{grow} of 100 buds share enough for 20");
+        assert!(vigour[1..].iter().all(|v| *v == 0.0 || *v >= 0.25));
+        assert!(vigour[100] > 0.0 && vigour[1] == 0.0, "the best lit");
+    }
+
+    prop_compose! {
+        /// Any plant: every organ but the first grows from a stem before it.
+        fn plants()(
+            organs in prop::collection::vec((any::<prop::sample::Index>(), 0..2_u32, 0..4_u8, 0.0..1.0_f32), 1..120)
+        ) -> Vec<Sink> {
+            let mut sinks = vec![sink(NO_PARENT, 0, SinkKind::Stem, 0.0)];
+            let mut stems = vec![0];
+            for (below, order, kind, demand) in organs {
+                let below = stems[below.index(stems.len())];
+                let kind = match kind {
+                    0 | 1 => SinkKind::Stem,
+                    2 => SinkKind::Bud,
+                    _ => SinkKind::Spent,
+                };
+                if kind == SinkKind::Stem {
+                    stems.push(sinks.len());
+                }
+                sinks.push(sink(below as u32, sinks[below].order + order, kind, demand));
+            }
+            sinks
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn all_that_enters_comes_to_buds(sinks in plants(), least in 0.0..0.5_f32) {
+            let some_bud = sinks.iter().any(|s| s.kind == SinkKind::Bud && s.demand > 0.0);
+            for vigour in [flow(&sinks, 10.0, |_| 0.6), settle(sinks.clone(), 10.0, least, |_| 0.6)] {
+                let buds = sinks.iter().zip(&vigour).filter(|(s, _)| s.kind == SinkKind::Bud);
+                let arrives: f32 = buds.map(|(_, v)| v).sum();
+                prop_assert!((arrives - if some_bud { 10.0 } else { 0.0 }).abs() < 1e-3, "{}", arrives);
+            }
+        }
+    }
 }

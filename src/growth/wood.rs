@@ -20,7 +20,8 @@ pub fn pipes(parents: &[u32], pipes: &[Option<f32>]) -> Vec<f32> {
     wanted
 }
 
-/// Thickens stems. Wood costs energy: when the store cannot pay for all of it, every stem gets the same share.
+/// Thickens stems. Wood costs energy: when what the store releases cannot pay for all of it, every stem gets the
+/// same share.
 /// Radii never shrink.
 pub fn thicken_wood(
     mechanisms: Res<Mechanisms>,
@@ -62,7 +63,7 @@ pub fn thicken_wood(
         };
         let cost = volume[plant] * f64::from(species.wood_cost);
         if cost > 0.0 && mechanisms.energy {
-            let paid = cost.min(store.stored);
+            let paid = cost.min(store.stored * f64::from(species.wood_draw));
             share[plant] = (paid / cost) as f32;
             store.stored -= paid;
             ledger.growth += paid;
