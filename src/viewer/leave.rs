@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy_egui::egui::{self, RichText};
 
+use super::why::inspector::Answers;
 use crate::files::write_whole;
 use crate::scenario::{News, Order};
 
@@ -18,7 +19,6 @@ enum Note {
 }
 
 /// The panel.
-#[derive(Resource)]
 pub struct Leave {
     /// The folder as it is typed.
     folder: String,
@@ -165,15 +165,15 @@ fn free(folder: &Path, stem: &str, extension: &str) -> PathBuf {
 }
 
 /// Takes the picture of the window that was asked for.
-pub fn take_screenshot(mut commands: Commands, mut leave: ResMut<Leave>) {
+pub fn take_screenshot(mut commands: Commands, mut answers: ResMut<Answers>) {
     // Asked first, so that the panel does not count as changed every frame.
-    if leave.shot.is_none() {
+    if answers.leave.shot.is_none() {
         return;
     }
-    let Some(path) = leave.shot.take() else { return };
+    let Some(path) = answers.leave.shot.take() else { return };
     commands.spawn(Screenshot::primary_window()).observe(
-        move |captured: On<ScreenshotCaptured>, mut leave: ResMut<Leave>| {
-            leave.note = Some(match save(&captured.image, &path) {
+        move |captured: On<ScreenshotCaptured>, mut answers: ResMut<Answers>| {
+            answers.leave.note = Some(match save(&captured.image, &path) {
                 Ok(()) => Note::Done(format!("{} written", path.display())),
                 Err(why) => Note::Failed(format!("cannot write {}: {why}", path.display())),
             });

@@ -77,7 +77,7 @@ const BROWN: Color32 = Color32::from_rgb(190, 140, 100);
 const GREY: Color32 = Color32::from_rgb(150, 150, 150);
 
 /// Every step in numbers, as far as the gardener has told.
-#[derive(Resource, Default)]
+#[derive(Default)]
 pub struct Numbers {
     records: Vec<StepRecord>,
     topic: Topic,

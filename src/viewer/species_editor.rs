@@ -18,7 +18,7 @@ use draft::{Draft, When};
 use file::SpeciesFile;
 
 /// The editor.
-#[derive(Resource, Default)]
+#[derive(Default)]
 pub struct SpeciesEditor {
     draft: Option<Draft>,
     file: Option<SpeciesFile>,

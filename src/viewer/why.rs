@@ -3,6 +3,7 @@
 //! The panel asks the gardener and shows what comes back; it computes nothing itself.
 
 pub mod candidates;
+pub mod inspector;
 pub mod ledger;
 pub mod legend;
 mod moments;
@@ -16,7 +17,7 @@ use crate::plant::OrganState;
 use crate::scenario::{Explained, News, Order};
 
 /// What is known of the selected organ.
-#[derive(Resource, Default)]
+#[derive(Default)]
 pub struct WhyPanel {
     /// What was asked last: step and birth, and how far the timeline had come.
     asked: Option<(u32, u32, u32)>,

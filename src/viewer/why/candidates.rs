@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use bevy_egui::egui;
 
-use super::{WhyPanel, span};
+use super::{inspector::Answers, span};
 use crate::environment::sense::Choice;
 use crate::render::Overlay;
 
@@ -24,8 +24,11 @@ pub fn color(ranked: &[Choice], fitness: f32) -> egui::Color32 {
 }
 
 /// Draws the candidates of the selected bud and the way it takes.
-pub fn draw_candidates(panel: Res<WhyPanel>, mut gizmos: Gizmos) {
-    let Some(explanation) = panel.explanation() else { return };
+pub fn draw_candidates(answers: Res<Answers>, mut gizmos: Gizmos) {
+    if answers.tab.is_none() {
+        return;
+    }
+    let Some(explanation) = answers.why.explanation() else { return };
     let from = explanation.position;
     gizmos.sphere(from, 0.015, Color::WHITE);
     let Some(sight) = &explanation.sight else { return };

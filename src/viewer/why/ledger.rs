@@ -31,7 +31,7 @@ fn kind(kind: OrganKind) -> &'static str {
 }
 
 /// The ledger and what of it is shown.
-#[derive(Resource, Default)]
+#[derive(Default)]
 pub struct Ledger {
     graves: Vec<Tombstone>,
     /// Of each cause.
