@@ -41,7 +41,7 @@ use image::RgbImage;
 use super::{Autosave, Edit, GardenError, Timeline, TimelineError, View, Why};
 use crate::export::film::FilmError;
 use crate::export::harvest::HarvestError;
-use crate::files::{FileError, ResolvedScenario, SaveError, ShareError};
+use crate::files::{FileError, ResolvedScenario, SaveError, ShareError, SharedTree};
 use crate::plant::Tombstone;
 use crate::plant::measure::StepRecord;
 
@@ -93,6 +93,8 @@ pub enum Order {
     SaveRun(PathBuf),
     /// Tell the share code: [`News::Code`].
     Share,
+    /// Tell all that is needed to grow the tree once more, beside this one: [`News::Copied`].
+    Copy,
     /// Tell why the organ with a birth number is as it is at a step: [`News::Explained`]. A later one takes the place
     /// of one still on its way.
     Explain {
@@ -146,6 +148,8 @@ pub enum News {
     Saved(PathBuf),
     /// The share code.
     Code(String),
+    /// All that is needed to grow the tree once more.
+    Copied(Box<SharedTree>),
     /// What there is to say of an organ.
     Explained(Box<Explained>),
     /// All organs that went, the newest last.

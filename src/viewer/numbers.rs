@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 use bevy_egui::egui::{self, Color32, RichText};
-use egui_plot::{Legend, Line, Plot, PlotPoints, VLine};
+use egui_plot::{Line, Plot, PlotPoints, VLine};
 
 use crate::plant::measure::StepRecord;
 use crate::scenario::{News, Order};
@@ -132,20 +132,19 @@ impl Numbers {
         ui.horizontal_wrapped(|ui| {
             for (name, unit, color, value) in self.topic.series() {
                 let value = now.map_or("–".into(), |record| short(value(record)));
-                ui.label(RichText::new(format!("{name} {value} {unit}")).small().color(*color));
+                ui.label(RichText::new(format!("● {name} {value} {unit}")).small().color(*color));
             }
         });
         let mut clicked = None;
         let plot = Plot::new(("numbers", self.topic as u8))
-            .height(ui.available_height().clamp(120.0, 260.0))
-            .legend(Legend::default())
+            .height(ui.available_height().clamp(120.0, 300.0))
             .allow_drag(false)
             .allow_zoom(false)
             .allow_scroll(false)
             .include_y(0.0)
             .x_axis_label("step");
         let shown = plot.show(ui, |plot| {
-            let at = VLine::new("shown", f64::from(step)).color(Color32::from_white_alpha(70));
+            let at = VLine::new("", f64::from(step)).color(Color32::from_white_alpha(70));
             plot.vline(at.allow_hover(false));
             for (name, _, color, value) in self.topic.series() {
                 let points: PlotPoints =

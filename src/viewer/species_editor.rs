@@ -174,7 +174,9 @@ fn rows(ui: &mut egui::Ui, draft: &mut Draft, filter: &str, only_changed: bool) 
     let filter = filter.trim().to_lowercase();
     egui::Grid::new("parameters").num_columns(3).striped(true).spacing([8.0, 3.0]).show(ui, |ui| {
         for row in Species::parameters() {
-            let words = row.name.replace('_', " ");
+            // A unit at the end of the name stands behind the value.
+            let stem = row.name.strip_suffix(&format!("_{}", row.unit)).unwrap_or(row.name);
+            let words = stem.replace('_', " ");
             let found =
                 filter.is_empty() || words.contains(&filter) || row.help.to_lowercase().contains(&filter);
             let changed = draft.is_changed(row.name);
@@ -188,7 +190,7 @@ fn rows(ui: &mut egui::Ui, draft: &mut Draft, filter: &str, only_changed: bool) 
             let mut new = value.clone();
             ui.horizontal(|ui| {
                 editor(ui, row, &mut new);
-                if !row.unit.is_empty() && !row.name.ends_with(&format!("_{}", row.unit)) {
+                if !row.unit.is_empty() {
                     ui.label(RichText::new(row.unit).small().weak());
                 }
             });

@@ -7,6 +7,7 @@ pub mod inspector;
 pub mod ledger;
 pub mod legend;
 mod moments;
+pub mod twin;
 
 use bevy::prelude::*;
 use bevy_egui::egui::{self, RichText, TextureHandle, TextureOptions};

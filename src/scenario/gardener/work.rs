@@ -204,6 +204,7 @@ impl Work {
                 let code = self.timeline.code()?;
                 self.tell(News::Code(code));
             }
+            Order::Copy => self.tell(News::Copied(Box::new(self.timeline.shared()))),
             Order::Explain { step, birth } => {
                 let explained = Explained::of(&self.timeline, step, birth)?;
                 self.tell(News::Explained(Box::new(explained)));

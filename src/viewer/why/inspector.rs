@@ -161,7 +161,7 @@ impl Inspector<'_> {
             ui.horizontal(|ui| {
                 ui.label(RichText::new(name).heading()).on_hover_text(help);
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    if ui.small_button("✕").on_hover_text("Close").clicked() {
+                    if ui.small_button("×").on_hover_text("Close").clicked() {
                         self.answers.tab = None;
                     }
                 });

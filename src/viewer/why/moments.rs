@@ -1,7 +1,7 @@
 //! An organ over the steps, as small plots.
 
 use bevy_egui::egui::{self, Color32};
-use egui_plot::{Legend, Line, Plot, PlotPoints, VLine};
+use egui_plot::{Corner, Legend, Line, Plot, PlotPoints, VLine};
 
 use crate::scenario::Moment;
 
@@ -31,14 +31,14 @@ pub fn show(ui: &mut egui::Ui, history: &[Moment], step: u32) {
 fn plot(ui: &mut egui::Ui, id: &str, series: &[Series], history: &[Moment], step: u32) {
     Plot::new(("moments", id))
         .height(84.0)
-        .legend(Legend::default())
+        .legend(Legend::default().position(Corner::LeftTop))
         .allow_drag(false)
         .allow_zoom(false)
         .allow_scroll(false)
         .show_x(false)
         .show(ui, |plot| {
             plot.vline(
-                VLine::new("shown", f64::from(step)).color(Color32::from_white_alpha(60)).allow_hover(false),
+                VLine::new("", f64::from(step)).color(Color32::from_white_alpha(60)).allow_hover(false),
             );
             for (name, color, value) in series {
                 let points: PlotPoints =
