@@ -7,13 +7,14 @@ pub mod inspector;
 pub mod ledger;
 pub mod legend;
 mod moments;
+pub mod split;
 pub mod twin;
 
 use bevy::prelude::*;
 use bevy_egui::egui::{self, RichText, TextureHandle, TextureOptions};
 
 use crate::environment::sense::Choice;
-use crate::growth::explain::{Explanation, Sight, fate};
+use crate::growth::explain::{Explanation, Outcome, Sight, fate};
 use crate::plant::OrganState;
 use crate::scenario::{Explained, News, Order};
 
@@ -71,7 +72,8 @@ impl WhyPanel {
             ui.label(RichText::new(hint).weak());
             return;
         };
-        if let Some(tombstone) = &told.tombstone {
+        let told_below = told.why.as_ref().is_some_and(|why| matches!(why.outcome, Outcome::Went(_)));
+        if let Some(tombstone) = told.tombstone.as_ref().filter(|_| !told_below) {
             ui.label(RichText::new(fate(tombstone)).color(ui.visuals().warn_fg_color));
         }
         let Some(why) = &told.why else {
@@ -128,7 +130,7 @@ fn figures(ui: &mut egui::Ui, organ: &Explanation) {
                 ("Length", format!("{:.3} m", wood.length)),
                 ("Radius", format!("{:.1} mm", wood.radius * 1000.0)),
                 ("Bears", format!("{} organs", organ.bears.organs.saturating_sub(1))),
-                ("Income of all it bears", format!("{:.3}", organ.bears.income)),
+                ("Income of leaves it bears", format!("{:.3}", organ.bears.income)),
                 ("Upkeep of all it bears", format!("{:.3}", organ.bears.upkeep)),
             ],
         ),

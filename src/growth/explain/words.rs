@@ -9,6 +9,11 @@ use crate::environment::trace::Seen;
 use crate::growth::shoots::plan;
 use crate::plant::{Cause, LateralBudState, OrganKind, OrganState, Tombstone};
 
+/// A number of steps in words.
+fn steps(n: u32) -> String {
+    if n == 1 { "1 step".into() } else { format!("{n} steps") }
+}
+
 /// The name of a kind of organ in a sentence.
 fn kind(kind: OrganKind) -> &'static str {
     match kind {
@@ -35,7 +40,7 @@ pub fn fate(tombstone: &Tombstone) -> String {
     };
     let age = died.saturating_sub(*born);
     let name = kind(tombstone.kind);
-    format!("Organ {birth}, a {name}, went at step {died}, {age} steps old: {why}.")
+    format!("Organ {birth}, a {name}, went at step {died}, {} old: {why}.", steps(age))
 }
 
 /// A way in words.
@@ -91,7 +96,7 @@ impl Explanation {
             self.birth,
             kind(self.state.kind()),
             self.species.name,
-            if age == 1 { "1 step".into() } else { format!("{age} steps") },
+            steps(age),
             self.order,
             self.position.x,
             self.position.y,

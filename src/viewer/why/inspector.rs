@@ -5,12 +5,29 @@ use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use bevy_egui::egui::{self, RichText};
 
-use super::{WhyPanel, ledger::Ledger, legend};
+use super::split::{self, Split};
+use super::{WhyPanel, candidates, ledger::Ledger, legend};
 use crate::scenario::{Gardener, News, Order};
-use crate::viewer::leave::Leave;
+use crate::viewer::leave::{Leave, take_screenshot};
 use crate::viewer::numbers::Numbers;
 use crate::viewer::species_editor::SpeciesEditor;
 use crate::viewer::{Action, Chosen, Course, Shown};
+
+/// Adds what the panel needs; its host calls [`Answers::hear`] with all news and [`Inspector::show`] where there is
+/// room.
+pub struct InspectorPlugin;
+
+impl Plugin for InspectorPlugin {
+    fn build(&self, app: &mut App) {
+        if !app.is_plugin_added::<FrameTimeDiagnosticsPlugin>() {
+            app.add_plugins(FrameTimeDiagnosticsPlugin::default());
+        }
+        app.init_resource::<Answers>().init_resource::<Split>().add_systems(
+            Update,
+            (ask, candidates::draw_candidates, take_screenshot, split::follow_twin, split::show_twin).chain(),
+        );
+    }
+}
 
 /// What the panel can show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -133,6 +150,7 @@ fn give(orders: Vec<Order>, gardener: &Gardener, actions: &mut MessageWriter<Act
 #[derive(SystemParam)]
 pub struct Inspector<'w> {
     answers: ResMut<'w, Answers>,
+    split: ResMut<'w, Split>,
     gardener: Option<Res<'w, Gardener>>,
     diagnostics: Option<Res<'w, DiagnosticsStore>>,
     actions: MessageWriter<'w, Action>,
@@ -149,26 +167,10 @@ impl Inspector<'_> {
         }
     }
 
-    /// The panel at the right, if a tab is open.
+    /// The open tab; nothing if none is. The host gives it a place, such as a panel at the right.
     pub fn show(&mut self, ui: &mut egui::Ui, shown: &Shown, course: &Course) {
         let Some(tab) = self.answers.tab else { return };
-        let (name, help) = Tab::ALL
-            .iter()
-            .find(|(each, _, _)| *each == tab)
-            .map_or(("", ""), |(_, name, help)| (*name, *help));
-        egui::Panel::right("inspector").default_size(330.0).size_range(260.0..=560.0).show(ui, |ui| {
-            ui.add_space(4.0);
-            ui.horizontal(|ui| {
-                ui.label(RichText::new(name).heading()).on_hover_text(help);
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    if ui.small_button("×").on_hover_text("Close").clicked() {
-                        self.answers.tab = None;
-                    }
-                });
-            });
-            ui.separator();
-            self.contents(ui, tab, shown, course);
-        });
+        self.contents(ui, tab, shown, course);
     }
 
     fn contents(&mut self, ui: &mut egui::Ui, tab: Tab, shown: &Shown, course: &Course) {
@@ -186,6 +188,7 @@ impl Inspector<'_> {
                     ui.add_space(4.0);
                     ui.label(RichText::new("What the model reckons with").strong());
                     legend::switches(ui, view.standing.mechanisms, &mut answers.regrow, &mut orders);
+                    self.split.choose(ui, view.standing.mechanisms, &mut orders);
                     ui.separator();
                     answers.why.show(ui);
                 });

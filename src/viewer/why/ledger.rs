@@ -114,11 +114,11 @@ impl Ledger {
         }
         let mut picked = None;
         let height = ui.text_style_height(&egui::TextStyle::Body);
-        egui::ScrollArea::vertical().max_height(240.0).auto_shrink([false, true]).show_rows(
-            ui,
-            height,
-            self.shown.len(),
-            |ui, rows| {
+        egui::ScrollArea::vertical()
+            .id_salt("graves")
+            .max_height(240.0)
+            .auto_shrink([false, true])
+            .show_rows(ui, height, self.shown.len(), |ui, rows| {
                 for grave in self.shown[rows].iter().filter_map(|&i| self.graves.get(i as usize)) {
                     let name = CAUSES.iter().find(|(cause, _)| *cause == grave.cause).map_or("", |(_, n)| n);
                     let text = format!("step {:<4} {} {}: {name}", grave.died, kind(grave.kind), grave.birth);
@@ -127,8 +127,7 @@ impl Ledger {
                         picked = Some((grave.birth, grave.died));
                     }
                 }
-            },
-        );
+            });
         picked
     }
 }
