@@ -19,7 +19,7 @@ const SPECIES: &[(&str, &str)] = embedded!("species": "lam_king", "oak");
 
 /// Shipped scenarios: name and text.
 const SCENARIOS: &[(&str, &str)] = embedded!("scenarios":
-    "open", "wall", "lamp", "lamp_moved", "courtyard", "two_oaks",
+    "open", "wall", "lamp", "dusk", "lamp_moved", "courtyard", "two_oaks",
     "figure_1a", "figure_1b", "figure_1c", "figure_1d",
 );
 

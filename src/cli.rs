@@ -20,6 +20,8 @@ use burgeon::export::ExportError;
 use burgeon::export::film::FilmError;
 use burgeon::files::{FileError, SaveError};
 use burgeon::scenario::{EditError, GardenError};
+#[cfg(feature = "viewer")]
+use burgeon::viewer::WatchError;
 use clap::{Parser, Subcommand};
 
 /// Burgeon grows trees: every bud, internode and leaf looks at the light and space around it before it grows.
@@ -29,7 +31,8 @@ use clap::{Parser, Subcommand};
     propagate_version = true,
     after_help = "Exit codes: 0 done, 1 bad input or a file that could not be written, 2 wrong usage,\n\
                   3 stopped early by a limit or an edit that could not be made (what has grown is kept),\n\
-                  4 a run grown again is not the same tree."
+                  4 a run grown again is not the same tree, 5 no display or graphics adapter for a window,\n\
+                  6 the graphics device was lost (what has grown is saved)."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -82,6 +85,9 @@ enum Failure {
     /// There is no organ of that number.
     #[error("no organ {birth} lives at step {step}, and none is known to have fallen; {organs} live there")]
     NoSuchOrgan { birth: u32, step: u32, organs: usize },
+    #[cfg(feature = "viewer")]
+    #[error(transparent)]
+    Watch(#[from] burgeon::viewer::WatchError),
     #[error("{what}: {source}")]
     Io { what: String, source: std::io::Error },
     /// Files in the way.
@@ -107,6 +113,12 @@ impl Failure {
             Self::Usage(_) => 2,
             Self::Stopped(_) => 3,
             Self::NotTheSame(_) => 4,
+            #[cfg(feature = "viewer")]
+            Self::Watch(why) => match why {
+                WatchError::NoDisplay | WatchError::NoAdapter => 5,
+                WatchError::Lost(_) => 6,
+                _ => 1,
+            },
             _ => 1,
         }
     }

@@ -113,6 +113,7 @@ impl Growing {
 
 impl Grow {
     /// Grows a scenario as `burgeon grow` without options does.
+    #[cfg(not(feature = "viewer"))]
     pub fn plain(input: Input) -> Self {
         Self { input, ..Self::default() }
     }

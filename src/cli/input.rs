@@ -94,6 +94,21 @@ impl Input {
         Self { scenario: Some(scenario.into()), common: common.clone() }
     }
 
+    /// Another scenario than the usual, where none is named.
+    #[cfg(feature = "viewer")]
+    pub fn or(&self, scenario: &str) -> Self {
+        Self {
+            scenario: self.scenario.clone().or_else(|| Some(scenario.into())),
+            common: self.common.clone(),
+        }
+    }
+
+    /// Species and scenarios to choose from.
+    #[cfg(feature = "viewer")]
+    pub fn library(&self) -> Result<Library, Failure> {
+        library(&self.common.assets)
+    }
+
     /// Reads and checks everything; writes nothing.
     pub fn plan(&self) -> Result<Plan, Failure> {
         let opened =

@@ -1,22 +1,97 @@
 //! `burgeon watch`: the window.
 
-use clap::Args;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
 
 use super::Failure;
-use super::grow::Grow;
 use super::input::Input;
 
+/// The scenario watched when none is named.
+#[cfg(feature = "viewer")]
+const DEFAULT_SCENARIO: &str = "dusk";
+
 /// Watch a scenario grow.
-#[derive(Args, Debug, Default)]
+#[derive(Args, Debug)]
 pub struct Watch {
     #[command(flatten)]
     input: Input,
+
+    /// Steps a second; 0 grows as fast as can be.
+    #[arg(long, default_value_t = 1.0)]
+    pace: f32,
+
+    /// Size of the window in logical pixels.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720", value_parser = size)]
+    size: (u32, u32),
+
+    /// Whether the panels at the sides are open.
+    #[arg(long, value_enum, default_value_t = Side::Open)]
+    panels: Side,
+
+    /// Save a picture of the window to this PNG and close it; needs --exit-after.
+    #[arg(long, value_name = "FILE", requires = "exit_after")]
+    screenshot: Option<PathBuf>,
+
+    /// Close the window once this step has been grown and drawn.
+    #[arg(long, value_name = "STEP")]
+    exit_after: Option<u32>,
+}
+
+#[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Open,
+    Closed,
+}
+
+impl Default for Watch {
+    fn default() -> Self {
+        Self {
+            input: Input::default(),
+            pace: 1.0,
+            size: (1280, 720),
+            panels: Side::Open,
+            screenshot: None,
+            exit_after: None,
+        }
+    }
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    match sides {
+        Some((width, height)) if (64..=16_384).contains(&width) && (64..=16_384).contains(&height) => {
+            Ok((width, height))
+        }
+        _ => Err("WIDTHxHEIGHT, each 64 to 16384".into()),
+    }
 }
 
 impl Watch {
     /// Runs the command.
+    #[cfg(feature = "viewer")]
     pub fn run(self) -> Result<(), Failure> {
-        eprintln!("burgeon: this version has no window yet; growing without one, as `burgeon grow` does");
-        Grow::plain(self.input).run()
+        use burgeon::viewer::{WatchSettings, watch};
+        let plan = self.input.or(DEFAULT_SCENARIO).plan()?;
+        watch(WatchSettings {
+            resolved: plan.resolved,
+            seed: plan.seed,
+            library: self.input.library()?,
+            workers: self.input.common.workers()?,
+            limits: self.input.common.limits(),
+            pace: (self.pace > 0.0).then_some(self.pace),
+            size: self.size,
+            panels: self.panels == Side::Open,
+            screenshot: self.screenshot,
+            exit_after: self.exit_after,
+        })?;
+        Ok(())
+    }
+
+    /// Runs the command.
+    #[cfg(not(feature = "viewer"))]
+    pub fn run(self) -> Result<(), Failure> {
+        eprintln!("burgeon: built without its window (feature `viewer`); growing as `burgeon grow` does");
+        super::grow::Grow::plain(self.input).run()
     }
 }

@@ -3,7 +3,8 @@
 use bevy::prelude::*;
 use bevy_egui::egui;
 
-use super::{inspector::Answers, span};
+use super::inspector::{Answers, Tab};
+use super::span;
 use crate::environment::sense::Choice;
 use crate::render::Overlay;
 
@@ -25,7 +26,7 @@ pub fn color(ranked: &[Choice], fitness: f32) -> egui::Color32 {
 
 /// Draws the candidates of the selected bud and the way it takes.
 pub fn draw_candidates(answers: Res<Answers>, mut gizmos: Gizmos) {
-    if answers.tab.is_none() {
+    if !matches!(answers.tab, Tab::Why | Tab::Ledger) {
         return;
     }
     let Some(explanation) = answers.why.explanation() else { return };

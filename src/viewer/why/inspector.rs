@@ -56,7 +56,7 @@ impl Tab {
 }
 
 /// What the gardener has told for the panels, and how they stand. One resource, so that news have one place to go.
-#[derive(Resource, Default)]
+#[derive(Resource)]
 pub struct Answers {
     /// Of the chosen organ.
     pub why: WhyPanel,
@@ -69,11 +69,29 @@ pub struct Answers {
     /// The species editor.
     pub species: SpeciesEditor,
     /// What is open.
-    pub tab: Option<Tab>,
+    pub tab: Tab,
+    /// What was done on the panel, to be passed on.
+    actions: Vec<Action>,
     /// Whether a switch of the model counts from the beginning.
     regrow: bool,
     /// An organ of the ledger that is looked at: its birth, and the last step it lived through.
     buried: Option<(u32, u32)>,
+}
+
+impl Default for Answers {
+    fn default() -> Self {
+        Self {
+            why: default(),
+            ledger: default(),
+            numbers: default(),
+            leave: default(),
+            species: default(),
+            tab: Tab::Why,
+            actions: Vec::new(),
+            regrow: false,
+            buried: None,
+        }
+    }
 }
 
 impl Answers {
@@ -102,7 +120,7 @@ pub fn ask(
     if chosen.is_changed() {
         if let Chosen::Organ(_) = *chosen {
             // Whoever clicks an organ wants to know.
-            answers.tab.get_or_insert(Tab::Why);
+            answers.tab = Tab::Why;
             answers.buried = None;
         }
     }
@@ -111,32 +129,33 @@ pub fn ask(
         (_, buried) => buried,
     };
     match answers.tab {
-        Some(Tab::Why | Tab::Ledger) => {
+        Tab::Why | Tab::Ledger => {
             let step = organ.map_or(present, |(_, step)| step);
             orders.extend(answers.why.ask(organ.map(|(birth, _)| birth), step, present));
-            if answers.tab == Some(Tab::Ledger) {
+            if answers.tab == Tab::Ledger {
                 orders.extend(answers.ledger.ask(present));
             }
         }
-        Some(Tab::Numbers) => orders.extend(answers.numbers.ask(present)),
+        Tab::Numbers => orders.extend(answers.numbers.ask(present)),
         _ => {}
     }
     answers.species.watch(std::time::Instant::now(), &mut orders);
-    give(orders, &gardener, &mut actions);
+    give(orders, &gardener, &mut answers.actions);
+    actions.write_batch(answers.actions.drain(..));
 }
 
 /// Gives orders to the gardener; an edit without a step goes the way of all edits, to the step on screen.
-fn give(orders: Vec<Order>, gardener: &Gardener, actions: &mut MessageWriter<Action>) {
+fn give(orders: Vec<Order>, gardener: &Gardener, actions: &mut Vec<Action>) {
     for order in orders {
         match order {
             Order::Edit { step: None, edit, drag: false } => {
-                actions.write(Action::Edit(edit));
+                actions.push(Action::Edit(edit));
             }
             Order::Edit { step: None, edit, drag: true } => {
-                actions.write(Action::Drag(edit));
+                actions.push(Action::Drag(edit));
             }
             Order::LoadCode(code) => {
-                actions.write(Action::LoadCode(code));
+                actions.push(Action::LoadCode(code));
             }
             // A gardener that has ended has told so.
             order => {
@@ -153,24 +172,39 @@ pub struct Inspector<'w> {
     split: ResMut<'w, Split>,
     gardener: Option<Res<'w, Gardener>>,
     diagnostics: Option<Res<'w, DiagnosticsStore>>,
-    actions: MessageWriter<'w, Action>,
 }
 
 impl Inspector<'_> {
-    /// Buttons that open and close the tabs.
-    pub fn tabs(&mut self, ui: &mut egui::Ui) {
-        for (tab, name, help) in Tab::ALL {
-            let open = self.answers.tab == Some(tab);
-            if ui.selectable_label(open, name).on_hover_text(help).clicked() {
-                self.answers.tab = if open { None } else { Some(tab) };
+    /// Tabs, and what is on the open one.
+    pub fn show(&mut self, ui: &mut egui::Ui, shown: &Shown, course: &Course) {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            for (tab, name, help) in Tab::ALL {
+                let open = self.answers.tab == tab;
+                if ui.selectable_label(open, name).on_hover_text(help).clicked() {
+                    self.answers.tab = tab;
+                }
             }
-        }
+        });
+        ui.separator();
+        self.contents(ui, self.answers.tab, shown, course);
     }
 
-    /// The open tab; nothing if none is. The host gives it a place, such as a panel at the right.
-    pub fn show(&mut self, ui: &mut egui::Ui, shown: &Shown, course: &Course) {
-        let Some(tab) = self.answers.tab else { return };
-        self.contents(ui, tab, shown, course);
+    /// Tells the twin where it may be seen, beside panels of these sizes, logical pixels. Returns the width it takes.
+    pub fn make_room(
+        &mut self,
+        context: &egui::Context,
+        left: f32,
+        right: f32,
+        top: f32,
+        bottom: f32,
+    ) -> f32 {
+        let whole = context.viewport_rect();
+        let (width, height) = (whole.width() - left - right, whole.height() - top - bottom);
+        let scale = context.pixels_per_point();
+        let pixels = |x: f32| (x.max(0.0) * scale) as u32;
+        self.split.free = Some([pixels(left), pixels(top), pixels(width), pixels(height)]);
+        if self.split.is_open() { 0.5 * width.max(0.0) } else { 0.0 }
     }
 
     fn contents(&mut self, ui: &mut egui::Ui, tab: Tab, shown: &Shown, course: &Course) {
@@ -184,7 +218,7 @@ impl Inspector<'_> {
         match tab {
             Tab::Why => {
                 scroll.show(ui, |ui| {
-                    colours(ui, shown, &mut self.actions);
+                    colours(ui, shown, &mut answers.actions);
                     ui.add_space(4.0);
                     ui.label(RichText::new("What the model reckons with").strong());
                     legend::switches(ui, view.standing.mechanisms, &mut answers.regrow, &mut orders);
@@ -196,7 +230,7 @@ impl Inspector<'_> {
             Tab::Ledger => {
                 if let Some((birth, died)) = answers.ledger.show(ui) {
                     answers.buried = Some((birth, died));
-                    self.actions.write(Action::Choose(Chosen::Nothing));
+                    answers.actions.push(Action::Choose(Chosen::Nothing));
                 }
                 ui.separator();
                 scroll.show(ui, |ui| answers.why.show(ui));
@@ -206,7 +240,7 @@ impl Inspector<'_> {
                     store.get(&FrameTimeDiagnosticsPlugin::FPS).and_then(|diagnostic| diagnostic.smoothed())
                 });
                 if let Some(step) = answers.numbers.show(ui, view.step, fps) {
-                    self.actions.write(Action::Look(Some(step)));
+                    answers.actions.push(Action::Look(Some(step)));
                 }
             }
             Tab::Species => answers.species.show(ui, &view.shot, &mut orders),
@@ -215,17 +249,17 @@ impl Inspector<'_> {
             }
         }
         if let Some(gardener) = &self.gardener {
-            give(orders, gardener, &mut self.actions);
+            give(orders, gardener, &mut self.answers.actions);
         }
     }
 }
 
 /// What organs are coloured by.
-fn colours(ui: &mut egui::Ui, shown: &Shown, actions: &mut MessageWriter<Action>) {
+fn colours(ui: &mut egui::Ui, shown: &Shown, actions: &mut Vec<Action>) {
     ui.label(RichText::new("Colour organs by").strong());
     let mut overlay = shown.overlay;
     legend::choose(ui, &mut overlay);
     if overlay != shown.overlay {
-        actions.write(Action::Colour(overlay));
+        actions.push(Action::Colour(overlay));
     }
 }

@@ -1,0 +1,92 @@
+//! Follows the gardener's news.
+
+use bevy::prelude::*;
+
+use super::act::show;
+use super::state::{Course, Past, Shown, Toasts};
+use super::why::inspector::Answers;
+use super::why::split::Split;
+use crate::scenario::{Gardener, News, Order, Progress, View};
+
+/// Takes in what the gardener tells.
+pub(super) fn follow(
+    gardener: Option<Res<Gardener>>,
+    mut shown: ResMut<Shown>,
+    mut course: ResMut<Course>,
+    mut past: ResMut<Past>,
+    mut toasts: ResMut<Toasts>,
+    mut answers: Option<ResMut<Answers>>,
+    mut split: Option<ResMut<Split>>,
+) {
+    let Some(gardener) = gardener else { return };
+    while let Some(news) = gardener.news() {
+        if let Some(answers) = &mut answers {
+            answers.hear(&news);
+        }
+        if let Some(split) = &mut split {
+            split.hear(&news);
+        }
+        match news {
+            News::Grown(view, progress) => {
+                note(&mut course, progress, &view);
+                arrive(&mut shown, &past, view, true);
+                seek_ghost(&gardener, &shown, &course);
+            }
+            News::Changed { view, progress, shed } => {
+                note(&mut course, progress, &view);
+                if past.0.is_some_and(|step| step >= progress.present) {
+                    past.0 = None;
+                }
+                arrive(&mut shown, &past, view, shed.is_some());
+                if progress.ghost.is_none() {
+                    shown.ghost = None;
+                }
+                seek_ghost(&gardener, &shown, &course);
+                if let Some(shed) = shed.filter(|shed| *shed > 0) {
+                    toasts.tell(format!("{shed} organs shed"));
+                }
+            }
+            News::Seen(view) => {
+                if past.0 == Some(view.step) {
+                    show(&mut shown, view, false);
+                    seek_ghost(&gardener, &shown, &course);
+                }
+            }
+            News::GhostSeen(_, view) => {
+                if shown.with_ghost {
+                    shown.ghost = view;
+                }
+            }
+            News::Status(progress) => course.progress = progress,
+            News::Saved(path) => toasts.tell(format!("saved {}", path.display())),
+            News::Code(code) => toasts.tell(format!("share code: {code}")),
+            News::Refused(why) => toasts.warn(why),
+            News::Stopped(why) => toasts.warn(format!("{why}; what has grown is kept")),
+            // The panels have heard.
+            News::Explained(_) | News::Fallen(_) | News::Records(_) | News::Copied(_) | News::Ended => {}
+        }
+    }
+}
+
+/// Keeps progress and records in line with the head.
+fn note(course: &mut Course, progress: Progress, view: &View) {
+    course.progress = progress;
+    course.records.retain(|record| record.step < view.step);
+    course.records.extend(view.record);
+}
+
+fn arrive(shown: &mut Shown, past: &Past, view: View, grew: bool) {
+    shown.head = Some(view.clone());
+    shown.live = past.0.is_none();
+    if shown.live {
+        show(shown, view, grew);
+    }
+}
+
+fn seek_ghost(gardener: &Gardener, shown: &Shown, course: &Course) {
+    let (Some(end), Some(view)) = (course.progress.ghost, &shown.view) else { return };
+    if shown.with_ghost {
+        // A gardener that has ended has told so.
+        let _ = gardener.order(Order::SeekGhost(view.step.min(end)));
+    }
+}

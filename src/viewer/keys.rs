@@ -1,0 +1,122 @@
+//! What keys do.
+
+use bevy::prelude::*;
+use bevy::window::FileDragAndDrop;
+use bevy_egui::input::EguiWantsInput;
+
+use super::act::Action;
+use super::panels::Panels;
+use super::state::{Chosen, Course, Doomed, Kind, Past, Shown, Tool, ViewFrom};
+
+/// Keys, for the help: what to press, what it does.
+pub(super) const KEYS: &[(&str, &str)] = &[
+    ("Space", "grow, or stop"),
+    (".", "one step"),
+    ("Left, Right", "a step back, a step on"),
+    ("End", "back to growth"),
+    ("F", "bring the plants into the picture"),
+    ("1  3  7", "look from the front, the side, above"),
+    ("V  C", "choose and move; cut branches"),
+    ("W  B  P  L  T", "set a wall, ball, pillar, lamp or tree: click on the ground"),
+    ("G  R  S", "move, turn or scale what is chosen"),
+    ("Ctrl+D  Delete", "copy, remove what is chosen"),
+    ("Ctrl+Z  Ctrl+Shift+Z", "undo, redo"),
+    ("Ctrl+S  Ctrl+O", "save, open; or drop a file on the window"),
+    ("H", "show or fold the panels"),
+    ("?", "this help"),
+    ("Drag, right drag, wheel", "turn, move and bring nearer the camera"),
+];
+
+pub(super) fn keys(
+    input: Res<ButtonInput<KeyCode>>,
+    egui: Res<EguiWantsInput>,
+    course: Res<Course>,
+    past: Res<Past>,
+    shown: Res<Shown>,
+    mut gizmo: ResMut<bevy::gizmos::transform_gizmo::TransformGizmoSettings>,
+    mut panels: ResMut<Panels>,
+    mut doomed: ResMut<Doomed>,
+    mut actions: MessageWriter<Action>,
+) {
+    use bevy::gizmos::transform_gizmo::TransformGizmoMode as Mode;
+    if egui.wants_any_keyboard_input() {
+        return;
+    }
+    let control = input.any_pressed([
+        KeyCode::ControlLeft,
+        KeyCode::ControlRight,
+        KeyCode::SuperLeft,
+        KeyCode::SuperRight,
+    ]);
+    let shift = input.any_pressed([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
+    let step = past.0.unwrap_or(course.progress.present);
+    for key in input.get_just_pressed() {
+        let action = match (key, control) {
+            (KeyCode::KeyZ, true) if shift => Action::Redo,
+            (KeyCode::KeyZ, true) => Action::Undo,
+            (KeyCode::KeyY, true) => Action::Redo,
+            (KeyCode::KeyS, true) => Action::Save(panels.save_path()),
+            (KeyCode::KeyO, true) => Action::Load(panels.save_path()),
+            (KeyCode::KeyD, true) => Action::Duplicate,
+            (_, true) => continue,
+            (KeyCode::Space, _) => Action::Play(!course.progress.playing),
+            (KeyCode::Period, _) => Action::Step,
+            (KeyCode::ArrowLeft, _) => Action::Look(Some(step.saturating_sub(1))),
+            (KeyCode::ArrowRight, _) if past.0.is_some() => {
+                Action::Look(Some(step + 1).filter(|next| *next < course.progress.present))
+            }
+            (KeyCode::ArrowRight, _) => Action::Step,
+            (KeyCode::End, _) => Action::Look(None),
+            (KeyCode::Delete | KeyCode::Backspace, _) => Action::Delete,
+            (KeyCode::KeyF, _) => Action::Frame,
+            (KeyCode::Digit1 | KeyCode::Numpad1, _) => Action::From(ViewFrom::Front),
+            (KeyCode::Digit3 | KeyCode::Numpad3, _) => Action::From(ViewFrom::Side),
+            (KeyCode::Digit7 | KeyCode::Numpad7, _) => Action::From(ViewFrom::Top),
+            (KeyCode::KeyV, _) => Action::Take(Tool::Choose),
+            (KeyCode::KeyC, _) => Action::Take(Tool::Prune),
+            (KeyCode::KeyW, _) => Action::Take(Tool::Place(Kind::Wall)),
+            (KeyCode::KeyB, _) => Action::Take(Tool::Place(Kind::Ball)),
+            (KeyCode::KeyP, _) => Action::Take(Tool::Place(Kind::Pillar)),
+            (KeyCode::KeyL, _) => Action::Take(Tool::Place(Kind::Lamp)),
+            (KeyCode::KeyT, _) => Action::Take(Tool::Place(Kind::Plant(panels.species))),
+            (KeyCode::KeyG, _) => {
+                gizmo.mode = Mode::Translate;
+                continue;
+            }
+            (KeyCode::KeyR, _) => {
+                gizmo.mode = Mode::Rotate;
+                continue;
+            }
+            (KeyCode::KeyS, _) => {
+                gizmo.mode = Mode::Scale;
+                continue;
+            }
+            (KeyCode::KeyH, _) => {
+                panels.open = !panels.open;
+                continue;
+            }
+            (KeyCode::Slash | KeyCode::F1, _) => {
+                panels.help = !panels.help;
+                continue;
+            }
+            (KeyCode::Escape, _) => {
+                panels.help = false;
+                doomed.0.clear();
+                actions.write(Action::Take(Tool::Choose));
+                Action::Choose(Chosen::Nothing)
+            }
+            _ => continue,
+        };
+        actions.write(action);
+    }
+    let _ = shown;
+}
+
+/// A file dropped on the window is taken up.
+pub(super) fn dropped(mut drops: MessageReader<FileDragAndDrop>, mut actions: MessageWriter<Action>) {
+    for drop in drops.read() {
+        if let FileDragAndDrop::DroppedFile { path_buf, .. } = drop {
+            actions.write(Action::Load(path_buf.clone()));
+        }
+    }
+}

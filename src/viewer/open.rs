@@ -1,0 +1,263 @@
+//! Opens the window.
+
+use std::panic::{self, AssertUnwindSafe};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use bevy::app::AppExit;
+use bevy::gizmos::transform_gizmo::TransformGizmoPlugin;
+use bevy::prelude::*;
+use bevy::render::error_handler::{RenderErrorHandler, RenderErrorPolicy};
+use bevy::window::{ExitCondition, PresentMode, WindowResolution};
+use bevy_egui::{EguiPlugin, EguiPrimaryContextPass};
+use bevy_panorbit_camera::{PanOrbitCameraPlugin, PanOrbitCameraSystemSet};
+
+use super::act::OwnLibrary;
+use super::camera::{self, Framing};
+use super::panels::{self, Panels, Room};
+use super::picture::{self, PictureThen};
+use super::state::{Course, Shown};
+use super::why::inspector::InspectorPlugin;
+use super::{ViewerLogic, keys, pointer, scene};
+use crate::assets::Library;
+use crate::environment::workers::Workers;
+use crate::files::ResolvedScenario;
+use crate::limits::GrowthLimits;
+use crate::render::{PlantRenderPlugin, SceneryPlugin};
+use crate::scenario::{Autosave, Gardener, GardenerSettings, Timeline, TimelineError};
+
+/// What the window opens on.
+#[derive(Debug)]
+pub struct WatchSettings {
+    /// What grows.
+    pub resolved: ResolvedScenario,
+    /// Seed of every random draw.
+    pub seed: u64,
+    /// Species and scenarios to choose from.
+    pub library: Library,
+    /// Threads that sense.
+    pub workers: Workers,
+    /// What a garden may take.
+    pub limits: GrowthLimits,
+    /// Steps a second; `None`: as many as can be.
+    pub pace: Option<f32>,
+    /// Size of the window, logical pixels.
+    pub size: (u32, u32),
+    /// Whether the panels are open.
+    pub panels: bool,
+    /// Where a picture of the window goes before it closes.
+    pub screenshot: Option<PathBuf>,
+    /// The step after which the window closes.
+    pub exit_after: Option<u32>,
+}
+
+/// Why there is no window.
+#[derive(Debug, thiserror::Error)]
+pub enum WatchError {
+    /// Nowhere to open one.
+    #[error("there is no display to open a window on; `burgeon grow` grows without one")]
+    NoDisplay,
+    /// Nothing to draw it with.
+    #[error(
+        "there is no graphics adapter that can draw; install a Vulkan driver (mesa-vulkan-drivers draws in software)"
+    )]
+    NoAdapter,
+    /// The graphics device was lost.
+    #[error("the graphics device was lost; what has grown is in {}", .0.display())]
+    Lost(PathBuf),
+    /// The scenario cannot begin.
+    #[error(transparent)]
+    Timeline(#[from] TimelineError),
+    /// The system gives no thread.
+    #[error("no thread to grow on: {0}")]
+    Thread(#[from] std::io::Error),
+}
+
+/// Exit code of the app after its device was lost.
+const LOST: u8 = 6;
+/// Time between autosaves at least.
+const AUTOSAVE: Duration = Duration::from_secs(20);
+
+/// Opens the window and returns when it is closed. What has grown is saved then, and now and then before.
+///
+/// # Errors
+/// [`WatchError`]; no window was open, or its device was lost.
+pub fn watch(settings: WatchSettings) -> Result<(), WatchError> {
+    if !has_display() {
+        return Err(WatchError::NoDisplay);
+    }
+    let folder = state_folder();
+    let file = folder.join("autosave.burgeon");
+    let scenario = settings.resolved.scenario.name.clone();
+    let mut timeline =
+        Timeline::new(settings.resolved, settings.seed, settings.library.clone(), settings.workers)?;
+    timeline.set_limits(settings.limits);
+    // A window that closes by itself is nobody's session.
+    let session = settings.exit_after.is_none();
+    let autosave =
+        (session && std::fs::create_dir_all(&folder).is_ok()).then(|| (Autosave::open(&file).0, AUTOSAVE));
+    let gardener =
+        Gardener::start(timeline, GardenerSettings { playing: true, pace: settings.pace, autosave })?;
+    let hint = session && first_time(&folder);
+    let files = std::env::current_dir().unwrap_or_default();
+
+    let opened = panic::catch_unwind(AssertUnwindSafe(|| {
+        let mut app = App::new();
+        let window = Window {
+            title: "Burgeon".into(),
+            name: Some("burgeon".into()),
+            resolution: WindowResolution::new(settings.size.0, settings.size.1),
+            present_mode: PresentMode::AutoVsync,
+            ..default()
+        };
+        app.add_plugins(DefaultPlugins.set(WindowPlugin {
+            primary_window: Some(window),
+            exit_condition: ExitCondition::OnPrimaryClosed,
+            ..default()
+        }));
+        app.add_plugins((EguiPlugin::default(), PanOrbitCameraPlugin, TransformGizmoPlugin))
+            .add_plugins((PlantRenderPlugin, SceneryPlugin, ViewerLogic, Window3d))
+            .insert_resource(RenderErrorHandler(lost))
+            .insert_resource(OwnLibrary(settings.library.clone()))
+            .insert_resource(Panels::new(settings.panels, hint, files))
+            .insert_resource(gardener);
+        app.world_mut().resource_mut::<Course>().scenario = scenario;
+        app.world_mut().resource_mut::<Shown>().live = true;
+        if let Some(step) = settings.exit_after {
+            app.insert_resource(PictureThen { file: settings.screenshot.clone(), step });
+        }
+        let exit = app.run();
+        if let Some(gardener) = app.world_mut().remove_resource::<Gardener>() {
+            gardener.quit();
+        }
+        exit
+    }));
+    match opened {
+        Ok(AppExit::Error(code)) if code.get() == LOST => Err(WatchError::Lost(file)),
+        Ok(_) => Ok(()),
+        Err(panic) => {
+            let why = panic.downcast_ref::<String>().map(String::as_str);
+            let why = why.or(panic.downcast_ref::<&str>().copied()).unwrap_or_default();
+            if why.contains("GPU") || why.contains("adapter") {
+                return Err(WatchError::NoAdapter);
+            }
+            if why.contains("EventLoop") || why.contains("event loop") {
+                return Err(WatchError::NoDisplay);
+            }
+            panic::resume_unwind(panic)
+        }
+    }
+}
+
+/// The systems that need a window.
+struct Window3d;
+
+impl Plugin for Window3d {
+    fn build(&self, app: &mut App) {
+        app.add_plugins(InspectorPlugin)
+            .init_resource::<Framing>()
+            .init_resource::<Room>()
+            .add_systems(PreStartup, camera::spawn_camera)
+            .add_systems(EguiPrimaryContextPass, panels::draw)
+            .add_systems(
+                PreUpdate,
+                (keys::keys, keys::dropped, pointer::point).after(bevy::input::InputSystems),
+            )
+            .add_systems(
+                Update,
+                (
+                    scene::show_things,
+                    scene::show_plants,
+                    scene::mark,
+                    scene::focus_gizmo,
+                    pointer::drag,
+                    camera::join_overlays,
+                    camera::frame,
+                    picture::pictures,
+                    picture::picture_then_exit,
+                )
+                    .chain()
+                    .after(super::follow::follow),
+            )
+            .add_systems(PostUpdate, camera::gate.before(PanOrbitCameraSystemSet));
+    }
+}
+
+/// What to do when the graphics device fails: stop drawing, end, and have the garden saved on the way.
+fn lost(
+    error: &bevy::render::error_handler::RenderError,
+    world: &mut World,
+    _: &mut World,
+) -> RenderErrorPolicy {
+    error!("the graphics device failed: {}", error.description);
+    world.write_message(AppExit::from_code(LOST));
+    RenderErrorPolicy::StopRendering
+}
+
+/// Where the autosave is.
+fn state_folder() -> PathBuf {
+    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let home = std::env::home_dir().unwrap_or_default();
+    if cfg!(windows) {
+        set("LOCALAPPDATA").unwrap_or(home).join("Burgeon")
+    } else if cfg!(target_os = "macos") {
+        home.join("Library/Application Support/Burgeon")
+    } else {
+        set("XDG_STATE_HOME").unwrap_or_else(|| home.join(".local/state")).join("burgeon")
+    }
+}
+
+/// Whether the window has never been open before; the next time it has.
+fn first_time(folder: &std::path::Path) -> bool {
+    let mark = folder.join("hint-seen");
+    !mark.exists() && std::fs::write(mark, "").is_ok()
+}
+
+/// Whether there is a display: a window library would panic without one.
+fn has_display() -> bool {
+    if !cfg!(all(unix, not(target_os = "macos"))) {
+        return true;
+    }
+    wayland().is_some() || x11().is_some()
+}
+
+#[cfg(unix)]
+fn connects(path: impl AsRef<std::path::Path>) -> Option<()> {
+    std::os::unix::net::UnixStream::connect(path).ok().map(drop)
+}
+
+#[cfg(not(unix))]
+fn connects(_: impl AsRef<std::path::Path>) -> Option<()> {
+    None
+}
+
+fn wayland() -> Option<()> {
+    let name = PathBuf::from(std::env::var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty())?);
+    if name.is_absolute() {
+        return connects(name);
+    }
+    connects(PathBuf::from(std::env::var_os("XDG_RUNTIME_DIR")?).join(name))
+}
+
+fn x11() -> Option<()> {
+    let display = std::env::var("DISPLAY").ok().filter(|display| !display.is_empty())?;
+    let (host, number) = display.rsplit_once(':')?;
+    let number = number.split('.').next()?;
+    if host.is_empty() || host == "unix" {
+        let path = format!("/tmp/.X11-unix/X{number}");
+        #[cfg(target_os = "linux")]
+        if connects_abstract(&path).is_some() {
+            return Some(());
+        }
+        return connects(path);
+    }
+    // Over a network: what answers there is found out by opening it.
+    Some(())
+}
+
+#[cfg(target_os = "linux")]
+fn connects_abstract(name: &str) -> Option<()> {
+    use std::os::linux::net::SocketAddrExt;
+    let address = std::os::unix::net::SocketAddr::from_abstract_name(name).ok()?;
+    std::os::unix::net::UnixStream::connect_addr(&address).ok().map(drop)
+}

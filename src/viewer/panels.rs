@@ -1,0 +1,252 @@
+//! The panels around the scene.
+
+mod bars;
+mod garden;
+
+use std::path::PathBuf;
+
+use bevy::prelude::*;
+use bevy_egui::{EguiContexts, egui};
+
+use super::act::{Action, OwnLibrary};
+use super::keys::KEYS;
+use super::state::{Chosen, Course, Doomed, Past, Shown, Toasts, Tool};
+use super::style;
+use super::why::inspector::Inspector;
+
+/// What the panels remember.
+#[derive(Resource, Debug)]
+pub(super) struct Panels {
+    /// Whether the panels at the sides are open.
+    pub open: bool,
+    /// Whether the help is.
+    pub help: bool,
+    /// Whether the hint for the first time is.
+    pub hint: bool,
+    /// Dark or light.
+    pub dark: bool,
+    /// Which species is sown, by its place in the list.
+    pub species: usize,
+    /// Folder that files go to.
+    pub folder: PathBuf,
+    /// The seed being typed.
+    seed: String,
+    /// The share code being typed.
+    code: String,
+    dressed: Option<bool>,
+}
+
+impl Panels {
+    pub fn new(open: bool, hint: bool, folder: PathBuf) -> Self {
+        Self {
+            open,
+            help: false,
+            hint,
+            dark: true,
+            species: 1,
+            folder,
+            seed: String::new(),
+            code: String::new(),
+            dressed: None,
+        }
+    }
+
+    /// Where the garden is saved to.
+    pub fn save_path(&self) -> PathBuf {
+        self.folder.join("garden.burgeon")
+    }
+}
+
+/// What panels leave of the window, logical pixels.
+#[derive(Resource, Debug, Default, Clone, Copy, PartialEq)]
+pub(super) struct Room {
+    left: f32,
+    right: f32,
+    top: f32,
+    bottom: f32,
+}
+
+impl Room {
+    /// What the panels take of width and height.
+    pub fn beside(&self) -> Vec2 {
+        Vec2::new(self.left + self.right, self.top + self.bottom)
+    }
+
+    /// How far the middle of the free part is from the middle of the window, right and up.
+    pub fn off_centre(&self) -> Vec2 {
+        0.5 * Vec2::new(self.left - self.right, self.top - self.bottom)
+    }
+}
+
+/// What panels show.
+pub(super) struct Seen<'a> {
+    pub shown: &'a Shown,
+    pub course: &'a Course,
+    pub past: Past,
+    pub chosen: &'a Chosen,
+    pub tool: Tool,
+    pub doomed: usize,
+    pub species: &'a [String],
+    pub scenarios: &'a [String],
+    pub frames_a_second: f32,
+}
+
+/// Draws the panels.
+pub(super) fn draw(
+    mut contexts: EguiContexts,
+    time: Res<Time<Real>>,
+    shown: Res<Shown>,
+    course: Res<Course>,
+    past: Res<Past>,
+    chosen: Res<Chosen>,
+    tool: Res<Tool>,
+    doomed: Res<Doomed>,
+    library: Res<OwnLibrary>,
+    mut panels: ResMut<Panels>,
+    mut room: ResMut<Room>,
+    mut toasts: ResMut<Toasts>,
+    mut actions: MessageWriter<Action>,
+    mut inspector: Inspector,
+    mut pace: Local<f32>,
+) -> Result {
+    let context = contexts.ctx_mut()?.clone();
+    if panels.dressed != Some(panels.dark) {
+        style::dress(&context, panels.dark);
+        panels.dressed = Some(panels.dark);
+    }
+    let frame = time.delta_secs().max(1e-4);
+    *pace += (1.0 / frame - *pace) * 0.1;
+    let (species, scenarios) = (library.0.species_names(), library.0.scenario_names());
+    let seen = Seen {
+        shown: &shown,
+        course: &course,
+        past: *past,
+        chosen: &chosen,
+        tool: *tool,
+        doomed: doomed.0.len(),
+        species: &species,
+        scenarios: &scenarios,
+        frames_a_second: *pace,
+    };
+    let mut act = |action: Action| {
+        actions.write(action);
+    };
+    let mut root = egui::Ui::new(
+        context.clone(),
+        "panels".into(),
+        egui::UiBuilder::new().layer_id(egui::LayerId::background()).max_rect(context.viewport_rect()),
+    );
+    let mut left = Room::default();
+    let bar =
+        egui::Frame::side_top_panel(&context.global_style()).inner_margin(egui::Margin::symmetric(12, 7));
+    left.top = egui::Panel::top("bar")
+        .frame(bar)
+        .show(&mut root, |ui| bars::top(ui, &seen, &mut panels, &mut act))
+        .response
+        .rect
+        .height();
+    left.bottom = egui::Panel::bottom("time")
+        .frame(bar)
+        .show(&mut root, |ui| bars::timeline(ui, &seen, &mut act))
+        .response
+        .rect
+        .height();
+    if panels.open {
+        let side = bar.inner_margin(egui::Margin::same(12));
+        left.left = egui::Panel::left("garden")
+            .frame(side)
+            .default_size(252.0)
+            .resizable(true)
+            .show(&mut root, |ui| {
+                egui::ScrollArea::vertical()
+                    .show(ui, |ui| garden::garden(ui, &seen, &mut panels, &mut toasts, &mut act));
+            })
+            .response
+            .rect
+            .width();
+        left.right = egui::Panel::right("why")
+            .frame(side)
+            .default_size(300.0)
+            .resizable(true)
+            .show(&mut root, |ui| {
+                inspector.show(ui, &shown, &course);
+            })
+            .response
+            .rect
+            .width();
+    }
+    // A twin takes the right half of what is free.
+    left.right += inspector.make_room(&context, left.left, left.right, left.top, left.bottom);
+    room.set_if_neq(left);
+    overlay(&context, &seen, &mut panels, &mut toasts, *room);
+    Ok(())
+}
+
+/// What floats over the scene: the tool's word, hints, messages, help.
+fn overlay(context: &egui::Context, seen: &Seen, panels: &mut Panels, toasts: &mut Toasts, room: Room) {
+    let note = |id: &str, at: egui::Align2, by: egui::Vec2, add: &mut dyn FnMut(&mut egui::Ui)| {
+        egui::Area::new(egui::Id::new(id)).anchor(at, by).order(egui::Order::Foreground).show(
+            context,
+            |ui| {
+                egui::Frame::window(&context.global_style())
+                    .inner_margin(egui::Margin::symmetric(12, 8))
+                    .show(ui, |ui| add(ui));
+            },
+        );
+    };
+    let top = egui::vec2(0.5 * (room.left - room.right), room.top + 10.0);
+    let word = match seen.tool {
+        Tool::Prune if seen.doomed > 0 => Some(format!("click cuts {} organs", seen.doomed)),
+        Tool::Prune => Some("point at a branch to cut it".into()),
+        Tool::Place(_) => Some("click on the ground to set it".into()),
+        Tool::Choose if seen.doomed > 0 => Some(format!("would shed {} organs", seen.doomed)),
+        Tool::Choose => None,
+    };
+    if let Some(word) = word {
+        note("tool", egui::Align2::CENTER_TOP, top, &mut |ui| {
+            ui.colored_label(if seen.doomed > 0 { style::RUST } else { style::LEAF }, &word);
+        });
+    }
+    if panels.hint {
+        let by = egui::vec2(0.5 * (room.left - room.right), -room.bottom - 14.0);
+        note("hint", egui::Align2::CENTER_BOTTOM, by, &mut |ui| {
+            ui.label("Drag to look around; the wheel brings the tree nearer.");
+            ui.label("Press W or L and click on the ground: a wall, a lamp. The tree answers.");
+            ui.horizontal(|ui| {
+                ui.label("Click a bud to ask it why.  ?  shows every key.");
+                if ui.button("Good").clicked() {
+                    panels.hint = false;
+                }
+            });
+        });
+    }
+    let current = toasts.current();
+    if !current.is_empty() {
+        let by = egui::vec2(-room.right - 14.0, -room.bottom - 14.0);
+        note("toasts", egui::Align2::RIGHT_BOTTOM, by, &mut |ui| {
+            ui.set_max_width(380.0);
+            for toast in current {
+                let color = if toast.bad { style::RUST } else { ui.visuals().text_color() };
+                ui.colored_label(color, &toast.text);
+            }
+        });
+    }
+    if panels.help {
+        let mut open = true;
+        egui::Window::new("Keys")
+            .open(&mut open)
+            .collapsible(false)
+            .resizable(false)
+            .default_pos([320.0, 70.0])
+            .show(context, |ui| {
+                egui::Grid::new("keys").num_columns(2).spacing([24.0, 5.0]).show(ui, |ui| {
+                    for (key, does) in KEYS {
+                        ui.colored_label(style::LEAF, *key);
+                        ui.label(*does);
+                        ui.end_row();
+                    }
+                });
+            });
+        panels.help = open;
+    }
+}

@@ -1,0 +1,124 @@
+//! The bar above: growth, tools, files. The bar below: time.
+
+use bevy_egui::egui::{self, Ui};
+
+use super::{Panels, Seen};
+use crate::viewer::act::Action;
+use crate::viewer::state::{Kind, Tool};
+use crate::viewer::style;
+
+/// The bar above.
+pub(super) fn top(ui: &mut Ui, seen: &Seen, panels: &mut Panels, act: &mut impl FnMut(Action)) {
+    ui.horizontal(|ui| {
+        let mut tool = |ui: &mut Ui, name: &str, tip: &str, which: Tool| {
+            if ui.selectable_label(seen.tool == which, name).on_hover_text(tip).clicked() {
+                act(Action::Take(which));
+            }
+        };
+        tool(ui, "Choose", "Choose and move things; ask organs why (V)", Tool::Choose);
+        tool(ui, "Prune", "Cut a branch and all it bears (C)", Tool::Prune);
+        ui.separator();
+        tool(ui, "Wall", "Set a wall (W)", Tool::Place(Kind::Wall));
+        tool(ui, "Ball", "Set a ball (B)", Tool::Place(Kind::Ball));
+        tool(ui, "Pillar", "Set a pillar (P)", Tool::Place(Kind::Pillar));
+        tool(ui, "Lamp", "Set a lamp (L)", Tool::Place(Kind::Lamp));
+        tool(
+            ui,
+            "Tree",
+            "Sow a tree of the species chosen at the left (T)",
+            Tool::Place(Kind::Plant(panels.species)),
+        );
+        ui.separator();
+        let progress = &seen.course.progress;
+        let mut button = |ui: &mut Ui, on: bool, name: &str, tip: &str, action: Action| {
+            if ui.add_enabled(on, egui::Button::new(name)).on_hover_text(tip).clicked() {
+                act(action);
+            }
+        };
+        button(ui, progress.undoable > 0, "Undo", "Take back the last edit (Ctrl+Z)", Action::Undo);
+        button(ui, progress.redoable > 0, "Redo", "Make it again (Ctrl+Shift+Z)", Action::Redo);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if ui.button("?").on_hover_text("Every key").clicked() {
+                panels.help = !panels.help;
+            }
+            if ui
+                .button(if panels.dark { "Light" } else { "Dark" })
+                .on_hover_text("Light or dark panels")
+                .clicked()
+            {
+                panels.dark = !panels.dark;
+            }
+            if ui.button(if panels.open { "Fold" } else { "Panels" }).on_hover_text("Panels (H)").clicked() {
+                panels.open = !panels.open;
+            }
+            ui.weak(format!("{:.0} frames/s", seen.frames_a_second));
+        });
+    });
+}
+
+/// The bar below.
+pub(super) fn timeline(ui: &mut Ui, seen: &Seen, act: &mut impl FnMut(Action)) {
+    let progress = &seen.course.progress;
+    ui.horizontal(|ui| {
+        let name = if progress.playing { "⏸" } else { "▶" };
+        if ui.button(egui::RichText::new(name).size(17.0)).on_hover_text("Grow, or stop (Space)").clicked() {
+            act(Action::Play(!progress.playing));
+        }
+        if ui.button("Step").on_hover_text("Grow one step (.)").clicked() {
+            act(Action::Step);
+        }
+        if ui.button("Seed").on_hover_text("Back to the seed; edits stay").clicked() {
+            act(Action::Restart);
+        }
+        let mut pace = progress.pace.unwrap_or(8.0);
+        ui.spacing_mut().slider_width = 70.0;
+        let slider = egui::Slider::new(&mut pace, 0.1..=8.0).logarithmic(true).show_value(false);
+        if ui.add(slider).on_hover_text("Steps a second").changed() {
+            act(Action::Pace(if pace >= 7.9 { 0.0 } else { pace }));
+        }
+        match progress.pace {
+            Some(pace) => ui.label(format!("{pace:.1}/s")),
+            None => ui.label("fastest"),
+        };
+        ui.separator();
+        let mut step = seen.past.0.unwrap_or(progress.present);
+        let text = match progress.catching_up {
+            Some(to) => format!("step {} of {to}, catching up", progress.present),
+            None if seen.past.0.is_some() => format!("step {step} of {}", progress.present),
+            None => format!("step {step}"),
+        };
+        let room = ui.available_width() - 330.0;
+        ui.spacing_mut().slider_width = room.max(80.0);
+        let slider = egui::Slider::new(&mut step, 0..=progress.present.max(1)).show_value(false);
+        if ui.add(slider).on_hover_text("Any earlier step; an edit there grows anew from there").changed() {
+            act(Action::Look(Some(step)));
+        }
+        ui.label(text);
+        if seen.past.0.is_some() && ui.button("Back to growth").clicked() {
+            act(Action::Look(None));
+        }
+        if progress.ghost.is_some() {
+            let mut on = seen.shown.with_ghost;
+            if ui.checkbox(&mut on, "old course").on_hover_text("Show how it grew before the edit").changed()
+            {
+                act(Action::Ghost(on));
+            }
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.colored_label(style::LEAF, format!("{} organs", thousands(progress.organs)));
+        });
+    });
+}
+
+/// A number with its thousands apart.
+pub(in crate::viewer) fn thousands(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}

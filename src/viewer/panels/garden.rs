@@ -1,0 +1,223 @@
+//! The panel at the left: what grows and stands here, how the tree does, how to leave with something.
+
+use bevy::prelude::Vec3;
+use bevy_egui::egui::{self, Ui};
+use egui_plot::{Line, Plot, PlotPoints};
+
+use super::{Panels, Seen};
+use crate::environment::{Lamp, Sky};
+use crate::plant::measure::StepRecord;
+use crate::scenario::{Edit, Fixture};
+use crate::viewer::act::Action;
+use crate::viewer::state::{Chosen, Toasts};
+use crate::viewer::style;
+
+pub(super) fn garden(
+    ui: &mut Ui,
+    seen: &Seen,
+    panels: &mut Panels,
+    toasts: &mut Toasts,
+    act: &mut impl FnMut(Action),
+) {
+    ui.heading("Garden");
+    egui::ComboBox::from_id_salt("scenario").selected_text(&seen.course.scenario).width(150.0).show_ui(
+        ui,
+        |ui| {
+            for name in seen.scenarios {
+                if ui.selectable_label(*name == seen.course.scenario, name).clicked() {
+                    act(Action::Begin(name.clone()));
+                }
+            }
+        },
+    );
+    ui.horizontal(|ui| {
+        ui.label("seed");
+        if panels.seed.is_empty() {
+            panels.seed = seen.course.progress.seed.to_string();
+        }
+        let field = ui.add(egui::TextEdit::singleline(&mut panels.seed).desired_width(70.0));
+        if field.lost_focus() {
+            match panels.seed.trim().parse() {
+                Ok(seed) if seed != seen.course.progress.seed => act(Action::Seed(seed)),
+                Ok(_) => {}
+                Err(_) => toasts.warn("a seed is a whole number"),
+            }
+            panels.seed.clear();
+        }
+        egui::ComboBox::from_id_salt("species")
+            .selected_text(seen.species.get(panels.species).map_or("", String::as_str))
+            .width(80.0)
+            .show_ui(ui, |ui| {
+                for (i, name) in seen.species.iter().enumerate() {
+                    ui.selectable_value(&mut panels.species, i, name);
+                }
+            })
+            .response
+            .on_hover_text("Species that the tool Tree sows");
+    });
+    ui.add_space(4.0);
+    standing(ui, seen, act);
+    ui.add_space(8.0);
+    numbers(ui, &seen.course.records);
+    ui.add_space(8.0);
+    leave(ui, panels, act);
+}
+
+/// What stands here; what is chosen can be changed.
+fn standing(ui: &mut Ui, seen: &Seen, act: &mut impl FnMut(Action)) {
+    let Some(view) = &seen.shown.view else { return };
+    let standing = &view.standing;
+    let chosen = match seen.chosen {
+        Chosen::Thing(name) => Some(name.as_str()),
+        _ => None,
+    };
+    let mut sky = standing.sky.strength;
+    let field = egui::Slider::new(&mut sky, 0.0..=1.0).text("sky");
+    ui.spacing_mut().slider_width = 120.0;
+    if ui.add(field).on_hover_text("How bright the sky is; 1 is a bright day").changed() {
+        act(Action::Drag(Edit::Sky(Sky { strength: sky, ..standing.sky })));
+    }
+    ui.horizontal_wrapped(|ui| {
+        let names = standing.solids.iter().map(|s| &s.name).chain(standing.lamps.iter().map(|l| &l.name));
+        for name in names {
+            let is = chosen == Some(name.as_str());
+            if ui.selectable_label(is, name).clicked() {
+                act(Action::Choose(if is { Chosen::Nothing } else { Chosen::Thing(name.clone()) }));
+            }
+        }
+    });
+    let Some(name) = chosen else { return };
+    if let Some(lamp) = standing.lamps.iter().find(|lamp| lamp.name == name) {
+        shine(ui, lamp, act);
+    }
+    let place = standing.solids.iter().find(|s| s.name == name).map(|s| s.position);
+    let place = place.or(standing.lamps.iter().find(|l| l.name == name).map(|l| l.position));
+    if let Some(Vec3 { x, y, z }) = place {
+        ui.weak(format!("at {x:.2}, {y:.2}, {z:.2} m   G moves, R turns, S scales"));
+    }
+    ui.horizontal(|ui| {
+        if ui.button("Copy").on_hover_text("Set a copy beside it (Ctrl+D)").clicked() {
+            act(Action::Duplicate);
+        }
+        if ui.button("Remove").on_hover_text("Take it away (Delete)").clicked() {
+            act(Action::Delete);
+        }
+    });
+}
+
+fn shine(ui: &mut Ui, lamp: &Fixture<Lamp>, act: &mut impl FnMut(Action)) {
+    let (mut strength, mut radius, mut on) = (lamp.thing.strength, lamp.thing.radius, lamp.thing.on);
+    let name = lamp.name.clone();
+    if ui.checkbox(&mut on, "burns").changed() {
+        act(Action::Edit(Edit::Switch { name: name.clone(), on }));
+    }
+    let field = egui::Slider::new(&mut strength, 1.0..=5000.0).logarithmic(true).text("strength");
+    let mut changed = ui.add(field).on_hover_text("As a multiple of a full sky's radiance").changed();
+    let field = egui::Slider::new(&mut radius, 0.02..=1.0).logarithmic(true).text("radius, m");
+    changed |= ui.add(field).changed();
+    if changed {
+        act(Action::Drag(Edit::Shine { name, strength, radius }));
+    }
+}
+
+/// The course in numbers.
+fn numbers(ui: &mut Ui, records: &[StepRecord]) {
+    let Some(last) = records.last() else { return };
+    ui.heading("The tree by step");
+    let form = &last.form;
+    egui::Grid::new("form").num_columns(4).spacing([10.0, 2.0]).show(ui, |ui| {
+        let cell = |ui: &mut Ui, name: &str, value: String| {
+            ui.weak(name);
+            ui.label(value);
+        };
+        cell(ui, "height", format!("{:.2} m", form.height_m));
+        cell(ui, "crown", format!("{:.2} m", form.crown_width_m));
+        ui.end_row();
+        cell(ui, "leaves", super::bars::thousands(form.leaves as usize));
+        cell(ui, "buds", super::bars::thousands((form.apical_buds + form.lateral_buds) as usize));
+        ui.end_row();
+    });
+    plot(
+        ui,
+        "metres",
+        records,
+        &[
+            ("height", style::LEAF, &|r| f64::from(r.form.height_m)),
+            ("crown width", style::SKY, &|r| f64::from(r.form.crown_width_m)),
+        ],
+    );
+    plot(
+        ui,
+        "energy",
+        records,
+        &[
+            ("income", style::AMBER, &|r| r.income),
+            ("growth", style::LEAF, &|r| r.growth),
+            ("upkeep", style::RUST, &|r| r.upkeep),
+        ],
+    );
+    plot(ui, "light of leaves", records, &[("light", style::AMBER, &|r| r.form.mean_light)]);
+    let seconds = &last.seconds;
+    ui.weak(format!(
+        "last step {:.0} ms: generate {:.1}, update {:.1}, sense {:.0}",
+        1e3 * (seconds.generate + seconds.update + seconds.sense + seconds.finish),
+        1e3 * seconds.generate,
+        1e3 * seconds.update,
+        1e3 * seconds.sense,
+    ));
+}
+
+type Value<'a> = (&'a str, egui::Color32, &'a dyn Fn(&StepRecord) -> f64);
+
+fn plot(ui: &mut Ui, name: &str, records: &[StepRecord], values: &[Value]) {
+    ui.horizontal(|ui| {
+        ui.weak(name);
+        for (name, color, _) in values {
+            ui.colored_label(*color, egui::RichText::new(*name).small());
+        }
+    });
+    Plot::new(name)
+        .height(64.0)
+        .show_axes([false, true])
+        .show_grid([false, true])
+        .y_axis_min_width(30.0)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .include_y(0.0)
+        .show(ui, |plot| {
+            for (name, color, value) in values {
+                let points: PlotPoints = records.iter().map(|r| [f64::from(r.step), value(r)]).collect();
+                plot.line(Line::new(*name, points).color(*color).width(1.6));
+            }
+        });
+}
+
+/// Saves, pictures, codes.
+fn leave(ui: &mut Ui, panels: &mut Panels, act: &mut impl FnMut(Action)) {
+    ui.heading("Leave with something");
+    let mut saved = |ui: &mut Ui, name: &str, tip: &str, action: Action| {
+        if ui.button(name).on_hover_text(tip).clicked() {
+            act(action);
+        }
+    };
+    ui.horizontal_wrapped(|ui| {
+        let folder = &panels.folder;
+        saved(ui, "Save", "The whole garden with its past (Ctrl+S)", Action::Save(panels.save_path()));
+        saved(
+            ui,
+            "Scenario",
+            "The scenario, your edits in it",
+            Action::SaveScenario(folder.join("scenario.ron")),
+        );
+        saved(ui, "Run", "run.ron, which grows the same tree again", Action::SaveRun(folder.join("run.ron")));
+        saved(ui, "Picture", "A picture of the window", Action::Picture(folder.join("window.png")));
+        saved(ui, "Code", "A short code that grows this tree anywhere", Action::Share);
+    });
+    ui.horizontal(|ui| {
+        ui.add(egui::TextEdit::singleline(&mut panels.code).hint_text("a share code").desired_width(130.0));
+        if ui.add_enabled(!panels.code.trim().is_empty(), egui::Button::new("Grow it")).clicked() {
+            act(Action::LoadCode(panels.code.trim().into()));
+        }
+    });
+}

@@ -1,0 +1,59 @@
+//! How panels look.
+
+use bevy_egui::egui::{self, Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Visuals};
+
+/// Leaf green: what can be done, what is chosen.
+pub(super) const LEAF: Color32 = Color32::from_rgb(0x9c, 0xc8, 0x6a);
+/// Amber: light.
+pub(super) const AMBER: Color32 = Color32::from_rgb(0xf0, 0xb4, 0x52);
+/// Sky blue: space.
+pub(super) const SKY: Color32 = Color32::from_rgb(0x6c, 0xb4, 0xe8);
+/// Rust: what goes, what did not work.
+pub(super) const RUST: Color32 = Color32::from_rgb(0xe0, 0x70, 0x58);
+
+/// Dresses a context, dark or light.
+pub(super) fn dress(context: &egui::Context, dark: bool) {
+    let mut visuals = if dark { Visuals::dark() } else { Visuals::light() };
+    let (panel, line, field) = if dark {
+        (
+            Color32::from_rgba_unmultiplied(22, 25, 24, 238),
+            Color32::from_gray(52),
+            Color32::from_rgb(14, 16, 15),
+        )
+    } else {
+        (Color32::from_rgba_unmultiplied(246, 245, 240, 242), Color32::from_gray(208), Color32::WHITE)
+    };
+    visuals.panel_fill = panel;
+    visuals.window_fill = panel;
+    visuals.extreme_bg_color = field;
+    visuals.window_stroke = Stroke::new(1.0, line);
+    visuals.widgets.noninteractive.bg_stroke = Stroke::new(1.0, line);
+    visuals.selection.bg_fill =
+        if dark { Color32::from_rgb(58, 84, 44) } else { Color32::from_rgb(190, 218, 160) };
+    visuals.selection.stroke = Stroke::new(1.0, if dark { LEAF } else { Color32::from_rgb(40, 70, 20) });
+    for widget in [
+        &mut visuals.widgets.noninteractive,
+        &mut visuals.widgets.inactive,
+        &mut visuals.widgets.hovered,
+        &mut visuals.widgets.active,
+        &mut visuals.widgets.open,
+    ] {
+        widget.corner_radius = CornerRadius::same(5);
+    }
+    visuals.window_corner_radius = CornerRadius::same(9);
+    context.set_visuals(visuals);
+    context.global_style_mut(|style| {
+        style.spacing.item_spacing = egui::vec2(8.0, 6.0);
+        style.spacing.button_padding = egui::vec2(8.0, 4.0);
+        style.spacing.window_margin = Margin::same(12);
+        let font = |size| FontId::new(size, FontFamily::Proportional);
+        style.text_styles = [
+            (TextStyle::Small, font(11.0)),
+            (TextStyle::Body, font(13.5)),
+            (TextStyle::Button, font(13.5)),
+            (TextStyle::Heading, font(16.0)),
+            (TextStyle::Monospace, FontId::new(12.5, FontFamily::Monospace)),
+        ]
+        .into();
+    });
+}
