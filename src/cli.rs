@@ -4,7 +4,6 @@ mod check;
 mod compare;
 mod completions;
 mod describe;
-mod film;
 mod grow;
 mod input;
 mod output;
@@ -12,6 +11,7 @@ mod probe;
 mod reproduce;
 mod seeds;
 mod watch;
+mod why;
 
 use std::process::ExitCode;
 
@@ -49,6 +49,8 @@ enum Command {
     Compare(compare::Compare),
     /// Grow a scenario and show what can be seen from a point in it: light, share and space, as JSON.
     Probe(Box<probe::ProbeAt>),
+    /// Grow a scenario and tell in plain sentences why an organ is, or went, as it did.
+    Why(Box<why::Why>),
     /// Check species, scenario, run and save files, one line each.
     Check(check::Check),
     /// Show the table of parameters, a species, or what stands where in a scenario.
@@ -76,6 +78,13 @@ enum Failure {
     Export(#[from] ExportError),
     #[error(transparent)]
     Film(#[from] FilmError),
+    #[error(transparent)]
+    Harvest(#[from] burgeon::export::harvest::HarvestError),
+    #[error(transparent)]
+    Timeline(#[from] burgeon::scenario::TimelineError),
+    /// There is no organ of that number.
+    #[error("no organ {birth} lives at step {step}, and none is known to have fallen; {organs} live there")]
+    NoSuchOrgan { birth: u32, step: u32, organs: usize },
     #[cfg(feature = "viewer")]
     #[error(transparent)]
     Watch(#[from] burgeon::viewer::WatchError),
@@ -123,6 +132,7 @@ pub fn main() -> ExitCode {
         Some(Command::Grow(command)) => command.run(),
         Some(Command::Compare(command)) => command.run(),
         Some(Command::Probe(command)) => command.run(),
+        Some(Command::Why(command)) => command.run(),
         Some(Command::Check(command)) => command.run(),
         Some(Command::Describe(command)) => command.run(),
         Some(Command::Reproduce(command)) => command.run(),

@@ -4,7 +4,9 @@ pub mod canvas;
 mod error;
 pub mod film;
 pub mod gltf;
+pub mod harvest;
 pub mod picture;
+pub mod reel;
 pub mod tables;
 
 pub use error::ExportError;

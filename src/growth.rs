@@ -13,6 +13,7 @@
 mod birth;
 pub mod buds;
 pub mod energy;
+pub mod explain;
 pub mod finish;
 pub mod generation;
 pub mod liabilities;
@@ -130,7 +131,7 @@ fn growth_step() -> Schedule {
 }
 
 /// The three parts of sensing; a live host may run the middle one on another thread.
-fn look_around(world: &mut World) {
+pub(crate) fn look_around(world: &mut World) {
     sensing::gather_probes(world);
     sensing::render_cube_maps(world);
     sensing::choose_growth_targets(world);

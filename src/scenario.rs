@@ -22,11 +22,11 @@ pub use autosave::Autosave;
 pub use edit::{Edit, EditError, EditOutcome, TimedEdit, apply, crush};
 pub use fixtures::{Fixture, FixtureError, Fixtures};
 pub use garden::{Garden, GardenError, GardenSave, GardenSaveError};
-pub use gardener::{Gardener, GardenerError, GardenerSettings, Gone, News, Order, Progress};
+pub use gardener::{Explained, Gardener, GardenerError, GardenerSettings, Gone, News, Order, Progress};
 pub use place::{RunSeed, SpeciesBook};
 pub use preview::{borne_by, crushed_by};
 pub use saved::{History, SavedRun};
-pub use timeline::{Ghost, Timeline, TimelineError, View, Visit};
+pub use timeline::{Ghost, Moment, Timeline, TimelineError, View, Visit, Why};
 
 /// A plant in its place.
 #[derive(Debug, Clone, PartialEq, Reflect, Serialize, Deserialize)]

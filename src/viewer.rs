@@ -13,14 +13,18 @@ mod act;
 mod camera;
 mod follow;
 mod keys;
+pub mod leave;
+pub mod numbers;
 mod open;
 mod panels;
 mod pick;
 mod picture;
 mod pointer;
 mod scene;
+pub mod species_editor;
 mod state;
 mod style;
+pub mod why;
 
 use bevy::prelude::*;
 

@@ -222,3 +222,22 @@ fn check_and_describe() {
     assert_eq!(err.lines().count(), 1);
     assert!(at.join("out/open/tree.png").exists());
 }
+
+#[test]
+fn why_tells_what_a_bud_saw_and_chose_and_what_became_of_the_fallen() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let told = json(at, "why lamp --steps 3 --json --picture saw.png");
+    assert!(at.join("saw.png").exists());
+    assert_eq!(told["faces"].as_array().unwrap().len(), 6);
+    let chosen = told["chosen"].as_u64().unwrap() as usize;
+    let candidates = told["candidates"].as_array().unwrap();
+    let fitness = |i: usize| candidates[i]["fitness"].as_f64().unwrap();
+    assert!((1..candidates.len()).all(|i| fitness(i - 1) >= fitness(i)) && chosen < candidates.len());
+    assert!(told["grew_m"].as_f64().unwrap() > 0.0);
+    // The seed's bud turned into others long ago.
+    let (out, _) = ends(at, "why figure_1d --steps 5 --bud 0", 0);
+    assert!(out.contains("went at step"), "{out}");
+    let (_, err) = ends(at, "why figure_1d --steps 2 --bud 99999", 1);
+    assert!(err.contains("no organ 99999"), "{err}");
+}

@@ -4,16 +4,16 @@ use burgeon::environment::workers::Workers;
 use burgeon::export::canvas::{side_by_side, titled};
 use burgeon::export::film::{FilmSettings, save_gif, save_png};
 use burgeon::export::picture::{Bounds, Palette, PictureSettings};
+use burgeon::export::reel::{FILM, Reel, camera};
 use burgeon::files::{RunFile, StepHashes};
 use burgeon::plant::measure::Form;
 use burgeon::scenario::Garden;
 use clap::Args;
 
 use super::Failure;
-use super::film::{FILM, Reel, camera};
 use super::grow::Growing;
 use super::input::Input;
-use super::output::{Output, say};
+use super::output::{Output, progress, say};
 
 /// Most scenarios in one row.
 const MOST: usize = 4;
@@ -115,7 +115,9 @@ fn draw(
     trees
         .iter()
         .map(|(name, reel, palette)| {
-            let images = reel.draw(last_only, &camera, palette, settings, workers);
+            let bar = progress(if last_only { 1 } else { reel.len() as u64 }, "frame");
+            let images = reel.draw(last_only, &camera, palette, settings, workers, || bar.inc(1));
+            bar.finish_and_clear();
             images.iter().map(|image| titled(image, name, 1)).collect()
         })
         .collect()

@@ -1,17 +1,17 @@
 //! `burgeon grow`: a scenario, or a run again, with all it leaves.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use burgeon::export::gltf::save_glb;
+use burgeon::export::harvest::{self, Harvest, export_all};
 use burgeon::export::picture::Palette;
-use burgeon::export::tables::{save_organs, save_steps};
+use burgeon::export::reel::Reel;
 use burgeon::files::{RunFile, SaveError, StepHashes};
 use burgeon::scenario::{Garden, GardenError, SavedRun};
 use clap::Args;
 use serde::Serialize;
 
-use super::film::{Reel, save_picture};
 use super::input::Input;
 use super::output::{Output, grouped, progress, say};
 use super::seeds::{self, SeedRange};
@@ -129,7 +129,7 @@ impl Grow {
     fn grow(&self) -> Result<(), Failure> {
         let (mut growing, steps, again) = self.begin()?;
         growing.garden.set_limits(self.input.common.limits());
-        let mut names = vec!["tree.png", "tree.glb", "organs.csv", "steps.csv", "run.ron"];
+        let mut names = harvest::FILES.to_vec();
         if self.timelapse {
             names.push("growth.gif");
         }
@@ -144,19 +144,21 @@ impl Grow {
             }
         });
 
-        folder.create()?;
-        let snapshot = growing.garden.snapshot();
-        let scene = growing.garden.scene();
-        let palette = Palette::of_snapshot(&snapshot);
+        let harvest = Harvest {
+            snapshot: Arc::new(growing.garden.snapshot()),
+            scene: growing.garden.scene(),
+            records: growing.garden.records().to_vec(),
+            run: growing.run.clone(),
+        };
         let workers = self.input.common.workers()?;
-        folder.text("run.ron", &growing.run.to_ron())?;
-        save_steps(growing.garden.records(), &folder.file("steps.csv"))?;
-        save_organs(&snapshot, &folder.file("organs.csv"))?;
-        save_glb(&snapshot, &folder.file("tree.glb"))?;
-        save_picture(&scene, &palette, &workers, &folder.file("tree.png"))?;
+        let written = export_all(&harvest, folder.path(), &workers)?;
+        folder.written.extend(written);
         if self.timelapse {
-            reel.end(growing.garden.steps(), scene);
-            reel.save(&palette, &workers, &folder.file("growth.gif"))?;
+            let palette = Palette::of_snapshot(&harvest.snapshot);
+            reel.end(growing.garden.steps(), harvest.scene);
+            let bar = progress(reel.len() as u64, "frame");
+            reel.save(&palette, &workers, &folder.file("growth.gif"), || bar.inc(1))?;
+            bar.finish_and_clear();
         }
         if let Some(path) = &self.save {
             SavedRun::new(growing.run.clone(), growing.garden.save()).write(path)?;

@@ -51,7 +51,7 @@ pub struct Common {
 
     /// A folder whose species/NAME.ron and scenarios/NAME.ron win over those built in.
     #[arg(long, value_name = "DIR")]
-    assets: Option<PathBuf>,
+    pub assets: Option<PathBuf>,
 }
 
 /// A limit set on the command line.

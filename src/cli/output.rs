@@ -60,6 +60,11 @@ impl Folder {
             .map_err(|source| Failure::Io { what: self.path.display().to_string(), source })
     }
 
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// The path of a file about to be written.
     pub fn file(&mut self, name: &str) -> PathBuf {
         let path = self.path.join(name);

@@ -27,8 +27,8 @@ use super::trace::Tracer;
 use super::workers::Workers;
 use crate::species::LightReading;
 use reproject::Reprojection;
-pub use search::{Choice, Search, cap_direction};
-use search::{Reading, fitness, rank};
+pub use search::{Choice, Search, Terms, cap_direction};
+use search::{Reading, fitness, rank, terms};
 
 /// One organ's wish to look around.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,6 +117,34 @@ fn sense_one(tracer: &Tracer, request: &SenseRequest, sensing: &Sensing) -> Sens
         rank(search, &readings, map.size())
     });
     Sensed { light, space, choice: ranked.first().copied(), ranked }
+}
+
+/// What one organ sees, read again with all that went into it.
+#[derive(Debug, Clone)]
+pub struct Look {
+    /// What it sees.
+    pub map: CubeMap,
+    /// What it reads.
+    pub sensed: Sensed,
+    /// What the fitness of each candidate is made of, by [`Choice::index`].
+    pub terms: Vec<Terms>,
+    /// Whether each candidate is out of reach: underground, in wood, in a solid or behind one; by
+    /// [`Choice::index`].
+    pub barred: Vec<bool>,
+}
+
+/// Looks around from one probe as [`sense`] does, and keeps what it saw.
+pub fn look(tracer: &Tracer, request: &SenseRequest, sensing: &Sensing) -> Look {
+    let sensed = sense_one(tracer, request, sensing);
+    let map = CubeMap::at(tracer, &request.probe);
+    let Probe { position, ref blind_to, .. } = request.probe;
+    let (terms, barred) = request.search.as_ref().map_or_else(Default::default, |search| {
+        let readings = candidates(tracer, request, search, sensing, &map);
+        let barred = (0..search.count())
+            .map(|i| tracer.is_barred(position, position + search.direction(i) * search.reach, blind_to));
+        (terms(search, &readings, map.size()), barred.collect())
+    });
+    Look { map, sensed, terms, barred }
 }
 
 fn read(tracer: &Tracer, map: &CubeMap, request: &SenseRequest, sensing: &Sensing) -> Reading {

@@ -269,6 +269,12 @@ impl Inventory {
                 Ok(())
             }
             Edit::Set { species, parameter, value } => self.set(&check(""), species, parameter, value),
+            Edit::SetAll { species, values } => {
+                check("").count("values", values.len(), Species::parameters().len())?;
+                let set =
+                    |(parameter, value): &(String, String)| self.set(&check(""), species, parameter, value);
+                values.iter().try_for_each(set)
+            }
             Edit::Sun(sun) => sun.as_ref().map_or(Ok(()), |sun| check("Sun").sun(sun)),
             Edit::Sky(sky) => check("Sky").number("strength", &sky.strength),
             Edit::Mechanisms(_) => Ok(()),

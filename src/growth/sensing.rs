@@ -92,7 +92,7 @@ pub fn gather_probes(world: &mut World) {
 }
 
 /// The first living leaf on each stem segment, `u32::MAX` where there is none.
-fn axillant_leaves(shot: &Snapshot) -> Vec<u32> {
+pub(super) fn axillant_leaves(shot: &Snapshot) -> Vec<u32> {
     let mut leaves = vec![u32::MAX; shot.len()];
     for i in (0..shot.len()).rev() {
         if matches!(shot.state[i], OrganState::Leaf(leaf) if leaf.size > 0.0) && shot.parent[i] != NO_PARENT {

@@ -295,6 +295,6 @@ fn full_energy(species: &Species, order: u32) -> f32 {
 }
 
 /// Lineage of the `k`-th internode a bud makes in a step.
-fn segment_lineage(bud: Lineage, step: u32, k: u32) -> Lineage {
+pub(super) fn segment_lineage(bud: Lineage, step: u32, k: u32) -> Lineage {
     bud.child(1_000_000_000u32.wrapping_add(step.wrapping_mul(4096)).wrapping_add(k))
 }

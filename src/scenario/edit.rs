@@ -109,6 +109,13 @@ pub enum Edit {
     Sky(Sky),
     /// Switch parts of the model on or off.
     Mechanisms(Mechanisms),
+    /// Set several parameters of all plants of a species at once, or none of them.
+    SetAll {
+        /// Name of the species.
+        species: String,
+        /// Parameters and their values, as after `=` in `--set`.
+        values: Vec<(String, String)>,
+    },
 }
 
 /// An edit and the step before which it is made.
@@ -263,7 +270,11 @@ pub fn apply(world: &mut World, edit: &Edit) -> Result<EditOutcome, EditError> {
             world.despawn(entity);
             world.flush();
         }
-        Edit::Set { species, parameter, value } => set_parameter(world, species, parameter, value)?,
+        Edit::Set { species, parameter, value } => set_parameters(world, species, &[(parameter, value)])?,
+        Edit::SetAll { species, values } => {
+            let values: Vec<(&String, &String)> = values.iter().map(|(name, value)| (name, value)).collect();
+            set_parameters(world, species, &values)?;
+        }
         Edit::Sun(sun) => place::set_sun(world, *sun),
         Edit::Sky(sky) => world.insert_resource(*sky),
         Edit::Mechanisms(mechanisms) => world.insert_resource(*mechanisms),
@@ -303,6 +314,10 @@ impl Edit {
                 Self::Set { species, parameter, .. },
                 Self::Set { species: other, parameter: other_parameter, .. },
             ) => species == other && parameter == other_parameter,
+            (Self::SetAll { species, values }, Self::SetAll { species: other, values: others }) => {
+                let again = |(name, _): &(String, String)| values.iter().any(|(own, _)| own == name);
+                species == other && others.iter().all(again)
+            }
             (Self::Top { plant, .. }, Self::Top { plant: other, .. }) => plant == other,
             (Self::Sun(_), Self::Sun(_))
             | (Self::Sky(_), Self::Sky(_))
@@ -388,9 +403,11 @@ fn organs_of(world: &World, plant: u32, chosen: impl Fn(&Pose) -> bool) -> impl 
         .map(|i| roster.birth[i])
 }
 
-fn set_parameter(world: &mut World, species: &str, parameter: &str, value: &str) -> Result<(), EditError> {
+fn set_parameters(world: &mut World, species: &str, values: &[(&String, &String)]) -> Result<(), EditError> {
     let mut changed = Species::clone(&*species_named(world, species)?);
-    changed.set(parameter, &parse_value(value))?;
+    for (parameter, value) in values {
+        changed.set(parameter, &parse_value(value))?;
+    }
     let changed = Arc::new(changed);
     let plants: Vec<Entity> = world.resource::<Roster>().plants.iter().flatten().copied().collect();
     for plant in plants {

@@ -3,7 +3,10 @@
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::environment::{Lamp, Sky, Solid, SolidShape, StandingSolid, Sun};
+use crate::environment::plugin::standing_lamps;
+use crate::environment::{
+    Lamp, Scene, Sky, Solid, SolidShape, StandingSolid, Sun, SunLight, standing_solids,
+};
 use crate::files::{FARTHEST_M, LARGEST_M};
 use crate::growth::Mechanisms;
 
@@ -99,6 +102,20 @@ impl Fixtures {
         }
         world.insert_resource(self.sky);
         world.insert_resource(self.mechanisms);
+    }
+
+    /// As the environment sees it, over ground at a height.
+    pub fn scene(&self, ground: Option<f32>) -> Scene {
+        let solids: Vec<Transform> = self.solids.iter().map(Fixture::transform).collect();
+        let lamps: Vec<Transform> = self.lamps.iter().map(Fixture::transform).collect();
+        Scene {
+            solids: standing_solids(self.solids.iter().map(|solid| &solid.thing).zip(&solids)),
+            lamps: standing_lamps(self.lamps.iter().map(|lamp| &lamp.thing).zip(&lamps)),
+            sun: self.sun.map(|(rotation, strength)| SunLight { direction: rotation * Vec3::Z, strength }),
+            sky: self.sky,
+            ground,
+            ..Scene::default()
+        }
     }
 
     /// Checks that all of it can stand.

@@ -36,8 +36,14 @@ use std::time::Duration;
 
 use bevy::prelude::*;
 
-use super::{Autosave, Edit, GardenError, Timeline, TimelineError, View};
-use crate::files::{FileError, ResolvedScenario, SaveError, ShareError};
+use image::RgbImage;
+
+use super::{Autosave, Edit, GardenError, Timeline, TimelineError, View, Why};
+use crate::export::film::FilmError;
+use crate::export::harvest::HarvestError;
+use crate::files::{FileError, ResolvedScenario, SaveError, ShareError, SharedTree};
+use crate::plant::Tombstone;
+use crate::plant::measure::StepRecord;
 
 /// What a gardener can be told to do.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,6 +93,31 @@ pub enum Order {
     SaveRun(PathBuf),
     /// Tell the share code: [`News::Code`].
     Share,
+    /// Tell all that is needed to grow the tree once more, beside this one: [`News::Copied`].
+    Copy,
+    /// Tell why the organ with a birth number is as it is at a step: [`News::Explained`]. A later one takes the place
+    /// of one still on its way.
+    Explain {
+        /// The step.
+        step: u32,
+        /// The birth number.
+        birth: u32,
+    },
+    /// Tell all organs that went: [`News::Fallen`].
+    Fallen,
+    /// Tell every step in numbers: [`News::Records`].
+    Records,
+    /// Write every export of a step into a folder, beside the work: [`News::Saved`] with the folder.
+    Export {
+        /// The step.
+        step: u32,
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// Draw the film of all steps that are kept, beside the work, as a GIF: [`News::Saved`].
+    Film(PathBuf),
+    /// Draw them as a sequence of pictures into a folder, beside the work: [`News::Saved`] with the folder.
+    Pictures(PathBuf),
     /// How many bytes of snapshots are kept ([`Timeline::set_budget`]).
     Budget(usize),
     /// Save the autosave, if there is one, and end.
@@ -117,12 +148,48 @@ pub enum News {
     Saved(PathBuf),
     /// The share code.
     Code(String),
+    /// All that is needed to grow the tree once more.
+    Copied(Box<SharedTree>),
+    /// What there is to say of an organ.
+    Explained(Box<Explained>),
+    /// All organs that went, the newest last.
+    Fallen(Vec<Tombstone>),
+    /// Every step in numbers.
+    Records(Vec<StepRecord>),
     /// An order was not carried out; all is as it was.
     Refused(GardenerError),
     /// Growth stopped at a limit; what has grown is kept.
     Stopped(GardenError),
     /// It has ended.
     Ended,
+}
+
+/// What there is to say of an organ at a step.
+#[derive(Debug, Clone)]
+pub struct Explained {
+    /// The step asked for.
+    pub step: u32,
+    /// The birth number asked for.
+    pub birth: u32,
+    /// What it is, if it lived then.
+    pub why: Option<Why>,
+    /// What it saw: six faces unfolded, if it looked around.
+    pub picture: Option<RgbImage>,
+    /// What became of it, if it has gone since.
+    pub tombstone: Option<Tombstone>,
+}
+
+impl Explained {
+    /// Explains an organ of a timeline and draws what it saw.
+    ///
+    /// # Errors
+    /// As [`Timeline::explain`].
+    pub fn of(timeline: &Timeline, step: u32, birth: u32) -> Result<Self, GardenError> {
+        let why = timeline.explain(step, birth)?;
+        let tombstone = timeline.tombstone(birth).copied();
+        let picture = why.as_ref().and_then(|why| why.picture(&timeline.now()));
+        Ok(Self { step, birth, why, picture, tombstone })
+    }
 }
 
 /// How far things are.
@@ -178,6 +245,12 @@ pub enum GardenerError {
         /// What the system says.
         source: io::Error,
     },
+    /// Not every export could be written.
+    #[error(transparent)]
+    Harvest(#[from] HarvestError),
+    /// A film or its pictures could not be written.
+    #[error(transparent)]
+    Film(#[from] FilmError),
     /// There is nothing to undo or redo.
     #[error("there is nothing to {0}")]
     Nothing(&'static str),

@@ -29,6 +29,8 @@
 mod course;
 mod leave;
 mod look;
+mod reap;
+mod why;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -49,6 +51,7 @@ use crate::species::Species;
 
 use course::{Course, Setting};
 pub use look::{Ghost, View, Visit};
+pub use why::{Moment, Why};
 
 /// Why a timeline did not do what was asked; it is as it was.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -426,7 +429,10 @@ impl Timeline {
             match made {
                 Ok(done) => {
                     let touches = done.shed > 0
-                        || matches!(timed.edit, Edit::Plant(_) | Edit::Uproot { .. } | Edit::Set { .. });
+                        || matches!(
+                            timed.edit,
+                            Edit::Plant(_) | Edit::Uproot { .. } | Edit::Set { .. } | Edit::SetAll { .. }
+                        );
                     self.touches += usize::from(touches);
                     if Some(*number) == newest {
                         outcome = Some(done);

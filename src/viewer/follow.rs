@@ -4,6 +4,8 @@ use bevy::prelude::*;
 
 use super::act::show;
 use super::state::{Course, Past, Shown, Toasts};
+use super::why::inspector::Answers;
+use super::why::split::Split;
 use crate::scenario::{Gardener, News, Order, Progress, View};
 
 /// Takes in what the gardener tells.
@@ -13,9 +15,17 @@ pub(super) fn follow(
     mut course: ResMut<Course>,
     mut past: ResMut<Past>,
     mut toasts: ResMut<Toasts>,
+    mut answers: Option<ResMut<Answers>>,
+    mut split: Option<ResMut<Split>>,
 ) {
     let Some(gardener) = gardener else { return };
     while let Some(news) = gardener.news() {
+        if let Some(answers) = &mut answers {
+            answers.hear(&news);
+        }
+        if let Some(split) = &mut split {
+            split.hear(&news);
+        }
         match news {
             News::Grown(view, progress) => {
                 note(&mut course, progress, &view);
@@ -52,7 +62,8 @@ pub(super) fn follow(
             News::Code(code) => toasts.tell(format!("share code: {code}")),
             News::Refused(why) => toasts.warn(why),
             News::Stopped(why) => toasts.warn(format!("{why}; what has grown is kept")),
-            News::Ended => {}
+            // The panels have heard.
+            News::Explained(_) | News::Fallen(_) | News::Records(_) | News::Copied(_) | News::Ended => {}
         }
     }
 }

@@ -17,6 +17,7 @@ use super::camera::{self, Framing};
 use super::panels::{self, Panels, Room};
 use super::picture::{self, PictureThen};
 use super::state::{Course, Shown};
+use super::why::inspector::InspectorPlugin;
 use super::{ViewerLogic, keys, pointer, scene};
 use crate::assets::Library;
 use crate::environment::workers::Workers;
@@ -153,7 +154,8 @@ struct Window3d;
 
 impl Plugin for Window3d {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Framing>()
+        app.add_plugins(InspectorPlugin)
+            .init_resource::<Framing>()
             .init_resource::<Room>()
             .add_systems(PreStartup, camera::spawn_camera)
             .add_systems(EguiPrimaryContextPass, panels::draw)

@@ -2,7 +2,6 @@
 
 mod bars;
 mod garden;
-mod why;
 
 use std::path::PathBuf;
 
@@ -13,6 +12,7 @@ use super::act::{Action, OwnLibrary};
 use super::keys::KEYS;
 use super::state::{Chosen, Course, Doomed, Past, Shown, Toasts, Tool};
 use super::style;
+use super::why::inspector::Inspector;
 
 /// What the panels remember.
 #[derive(Resource, Debug)]
@@ -113,6 +113,7 @@ pub(super) fn draw(
     mut room: ResMut<Room>,
     mut toasts: ResMut<Toasts>,
     mut actions: MessageWriter<Action>,
+    mut inspector: Inspector,
     mut pace: Local<f32>,
 ) -> Result {
     let context = contexts.ctx_mut()?.clone();
@@ -172,15 +173,17 @@ pub(super) fn draw(
             .width();
         left.right = egui::Panel::right("why")
             .frame(side)
-            .default_size(252.0)
+            .default_size(300.0)
             .resizable(true)
             .show(&mut root, |ui| {
-                egui::ScrollArea::vertical().show(ui, |ui| why::why(ui, &seen, &mut act));
+                inspector.show(ui, &shown, &course);
             })
             .response
             .rect
             .width();
     }
+    // A twin takes the right half of what is free.
+    left.right += inspector.make_room(&context, left.left, left.right, left.top, left.bottom);
     overlay(&context, &seen, &mut panels, &mut toasts, left);
     let whole = context.viewport_rect();
     let free = egui::Rect::from_min_max(

@@ -2,6 +2,7 @@
 
 use bevy::gizmos::transform_gizmo::TransformGizmoState;
 use bevy::prelude::*;
+use bevy_panorbit_camera::PanOrbitCamera;
 
 use super::act::Action;
 use super::panels::Room;
@@ -17,7 +18,7 @@ const CLICK: f32 = 5.0;
 /// Follows the pointer.
 pub(super) fn point(
     windows: Query<&Window>,
-    cameras: Query<(&Camera, &GlobalTransform), With<Camera3d>>,
+    cameras: Query<(&Camera, &GlobalTransform), With<PanOrbitCamera>>,
     room: Res<Room>,
     gizmo: Res<TransformGizmoState>,
     buttons: Res<ButtonInput<MouseButton>>,

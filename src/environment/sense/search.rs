@@ -70,6 +70,26 @@ pub struct Choice {
     pub index: u32,
 }
 
+/// What each term of the fitness adds for a candidate, weights and switches applied; their sum is its fitness.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Terms {
+    /// For light, as graded among the candidates.
+    pub light: f32,
+    /// For free space, as graded among the candidates.
+    pub space: f32,
+    /// For growing straight on.
+    pub heading: f32,
+    /// For growing at the set point.
+    pub set_point: f32,
+}
+
+impl Terms {
+    /// Their sum.
+    pub fn fitness(&self) -> f32 {
+        self.light + self.space + self.heading + self.set_point
+    }
+}
+
 /// Light and space at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reading {
@@ -106,6 +126,11 @@ impl Search {
 
 /// Fitness of every candidate.
 pub(super) fn fitness(search: &Search, readings: &[Reading], face: usize) -> Vec<f32> {
+    terms(search, readings, face).iter().map(Terms::fitness).collect()
+}
+
+/// What the fitness of every candidate is made of.
+pub(super) fn terms(search: &Search, readings: &[Reading], face: usize) -> Vec<Terms> {
     let weight = |on: bool, weight: f32| if on { weight } else { 0.0 };
     let light = graded(readings.iter().map(|reading| reading.light), face, search.rescale);
     let space = graded(readings.iter().map(|reading| reading.space), face, search.rescale);
@@ -117,10 +142,12 @@ pub(super) fn fitness(search: &Search, readings: &[Reading], face: usize) -> Vec
         .map(|(i, (light, space))| {
             let direction = search.direction(i as u32);
             let to_vertical = ops::acos(direction.y.clamp(-1.0, 1.0));
-            weight(search.light_on, search.weight_light) * light
-                + weight(search.space_on, search.weight_space) * space
-                + search.weight_heading * direction.dot(heading)
-                + search.weight_set_point * ops::cos(to_vertical - search.set_point)
+            Terms {
+                light: weight(search.light_on, search.weight_light) * light,
+                space: weight(search.space_on, search.weight_space) * space,
+                heading: search.weight_heading * direction.dot(heading),
+                set_point: search.weight_set_point * ops::cos(to_vertical - search.set_point),
+            }
         })
         .collect()
 }

@@ -1,12 +1,16 @@
 //! What a gardener does all day.
 
 use std::collections::VecDeque;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError};
+use std::thread;
 use std::time::{Duration, Instant};
 
-use super::{GardenerError, GardenerSettings, News, Order, Progress};
+use super::{Explained, GardenerError, GardenerSettings, News, Order, Progress};
 use crate::assets::Opened;
+use crate::environment::workers::Workers;
+use crate::export::harvest::{export_all, make_folder};
+use crate::export::picture::PictureSettings;
 use crate::files::{SharedTree, is_save, write_whole};
 use crate::scenario::{Autosave, SavedRun, Timeline, Visit};
 
@@ -125,7 +129,10 @@ impl Work {
     /// Whether the next order makes this one needless, as while dragging or scrubbing.
     fn is_overtaken(&self, order: &Order) -> bool {
         match (order, self.orders.front()) {
-            (Order::Seek(_), Some(Order::Seek(_))) => true,
+            (Order::Seek(_), Some(Order::Seek(_)))
+            | (Order::Explain { .. }, Some(Order::Explain { .. }))
+            | (Order::Fallen, Some(Order::Fallen))
+            | (Order::Records, Some(Order::Records)) => true,
             (
                 Order::Edit { step, edit, drag: true },
                 Some(Order::Edit { step: next_step, edit: next, drag: true }),
@@ -196,6 +203,32 @@ impl Work {
             Order::Share => {
                 let code = self.timeline.code()?;
                 self.tell(News::Code(code));
+            }
+            Order::Copy => self.tell(News::Copied(Box::new(self.timeline.shared()))),
+            Order::Explain { step, birth } => {
+                let explained = Explained::of(&self.timeline, step, birth)?;
+                self.tell(News::Explained(Box::new(explained)));
+            }
+            Order::Fallen => self.tell(News::Fallen(self.timeline.fallen().to_vec())),
+            Order::Records => self.tell(News::Records(self.timeline.records().to_vec())),
+            Order::Export { step, folder } => {
+                let harvest = self.timeline.harvest(step)?.ok_or_else(|| self.timeline.not_grown(step))?;
+                self.beside(folder, move |folder, workers| {
+                    export_all(&harvest, folder, workers)?;
+                    Ok(())
+                })?;
+            }
+            Order::Film(path) => {
+                let (reel, palette) = self.timeline.reel();
+                self.beside(path, move |path, workers| Ok(reel.save(&palette, workers, path, || ())?))?;
+            }
+            Order::Pictures(folder) => {
+                let (reel, palette) = self.timeline.reel();
+                self.beside(folder, move |folder, workers| {
+                    make_folder(folder)?;
+                    reel.save_pictures(&palette, PictureSettings::default(), workers, folder, || ())?;
+                    Ok(())
+                })?;
             }
             Order::Budget(bytes) => self.timeline.set_budget(bytes),
             Order::Quit => return Ok(Then::End),
@@ -308,6 +341,27 @@ impl Work {
             .map_err(|source| GardenerError::Write { path: path.into(), source })?;
         self.tell(News::Saved(path.into()));
         Ok(())
+    }
+
+    /// Has something written by a thread of its own, so that growth does not wait, and tells of it.
+    fn beside(
+        &self,
+        path: PathBuf,
+        write: impl FnOnce(&Path, &Workers) -> Result<(), GardenerError> + Send + 'static,
+    ) -> Result<(), GardenerError> {
+        let (outbox, workers, to) = (self.outbox.clone(), self.timeline.workers(), path.clone());
+        let write = move || {
+            let news = match write(&to, &workers) {
+                Ok(()) => News::Saved(to),
+                Err(why) => News::Refused(why),
+            };
+            // A host that no longer listens will not miss it.
+            let _ = outbox.send(news);
+        };
+        match thread::Builder::new().name("burgeon export".into()).spawn(write) {
+            Ok(_) => Ok(()),
+            Err(source) => Err(GardenerError::Write { path, source }),
+        }
     }
 
     fn save_now_and_then(&mut self, now: bool) {

@@ -57,11 +57,17 @@ impl Timeline {
         RunFile::new(&resolved, self.seed(), self.present(), hashes)
     }
 
-    /// A code that grows it again: the scenario it began with, its seed, the edits that stand and the steps grown.
+    /// A code that grows it again.
     ///
     /// # Errors
     /// [`ShareError::TooLong`].
     pub fn code(&self) -> Result<String, ShareError> {
+        self.shared().code()
+    }
+
+    /// All that is needed to grow it again: the scenario it began with, its seed, the edits that stand and the steps
+    /// grown.
+    pub fn shared(&self) -> SharedTree {
         let own = self.base.scenario.edits.len();
         let mut resolved = self.base.clone();
         let mut edits = Vec::new();
@@ -73,7 +79,7 @@ impl Timeline {
         let named = self.edited();
         let named: Vec<&str> = named.species_named().into_iter().map(|(name, _)| name).collect();
         resolved.species.retain(|name, _| named.contains(&name.as_str()));
-        SharedTree { resolved, edits, seed: self.seed(), steps: self.present() }.code()
+        SharedTree { resolved, edits, seed: self.seed(), steps: self.present() }
     }
 
     /// Begins the tree of a share code; it is on its way to the steps the code tells.

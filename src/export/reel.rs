@@ -1,17 +1,16 @@
-//! The picture and film of a run.
+//! The picture and the film of a run, as the command line and the window write them.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bevy::math::Vec3;
-use burgeon::environment::Scene;
-use burgeon::environment::trace::Tracer;
-use burgeon::environment::workers::Workers;
-use burgeon::export::canvas::caption;
-use burgeon::export::film::{FilmError, FilmSettings, save_gif, save_png};
-use burgeon::export::picture::{Bounds, Camera, Palette, PictureSettings, render};
 use image::RgbImage;
 
-use super::{Failure, output};
+use super::canvas::caption;
+use super::film::{FilmError, FilmSettings, save_gif, save_png};
+use super::picture::{Bounds, Camera, Palette, PictureSettings, render};
+use crate::environment::Scene;
+use crate::environment::trace::Tracer;
+use crate::environment::workers::Workers;
 
 /// Where the camera may stand, azimuth and elevation in degrees: the first is taken unless walls hide the plants.
 const VIEWS: [(f32, f32); 12] = [
@@ -39,7 +38,7 @@ const PIECES: usize = 16_000_000;
 pub const FILM: PictureSettings = PictureSettings { width: 360, height: 405, samples: 3 };
 
 /// Scenes of a film, as a run leaves them.
-#[derive(Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Reel {
     frames: Vec<(u32, Scene)>,
     /// Steps from frame to frame; 0 stands for 1.
@@ -69,6 +68,16 @@ impl Reel {
         }
     }
 
+    /// Frames in it.
+    pub fn len(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Whether there is nothing to show.
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
     /// Room for every frame.
     pub fn bounds(&self) -> Bounds {
         self.frames.iter().fold(Bounds::default(), |all, (_, scene)| all.union(&Bounds::of(scene)))
@@ -79,7 +88,7 @@ impl Reel {
         self.frames.last().map(|(_, scene)| scene)
     }
 
-    /// Draws the frames, or only the last.
+    /// Draws the frames, or only the last; `drawn` is called after each.
     pub fn draw(
         &self,
         last_only: bool,
@@ -87,37 +96,75 @@ impl Reel {
         palette: &Palette,
         settings: PictureSettings,
         workers: &Workers,
+        mut drawn: impl FnMut(),
     ) -> Vec<RgbImage> {
         let first = if last_only { self.frames.len().saturating_sub(1) } else { 0 };
-        let frames = &self.frames[first..];
-        let bar = output::progress(frames.len() as u64, "frame");
-        let images = frames
-            .iter()
-            .map(|(step, scene)| {
-                let mut image = render(&Tracer::build(scene), camera, palette, settings, workers);
-                caption(&mut image, &format!("step {step}"), 1);
-                bar.inc(1);
-                image
-            })
-            .collect();
-        bar.finish_and_clear();
-        images
+        let frame = |(step, scene): &(u32, Scene)| {
+            let mut image = render(&Tracer::build(scene), camera, palette, settings, workers);
+            caption(&mut image, &format!("step {step}"), 1);
+            drawn();
+            image
+        };
+        self.frames[first..].iter().map(frame).collect()
     }
 
-    /// Draws and writes the film.
-    pub fn save(&self, palette: &Palette, workers: &Workers, path: &Path) -> Result<(), Failure> {
-        let Some(last) = self.last() else { return Err(FilmError::NoFrames.into()) };
-        let camera = camera(last, &self.bounds(), FILM.aspect());
-        Ok(save_gif(path, &self.draw(false, &camera, palette, FILM, workers), FilmSettings::default())?)
+    /// Draws and writes the film; `drawn` is called after each frame.
+    ///
+    /// # Errors
+    /// As [`save_gif`].
+    pub fn save(
+        &self,
+        palette: &Palette,
+        workers: &Workers,
+        path: &Path,
+        drawn: impl FnMut(),
+    ) -> Result<(), FilmError> {
+        let camera = self.camera(FILM)?;
+        save_gif(path, &self.draw(false, &camera, palette, FILM, workers, drawn), FilmSettings::default())
+    }
+
+    /// Draws the frames and writes each as `step_0000.png` into a folder that is there; `drawn` is called after each.
+    ///
+    /// # Errors
+    /// As [`save_png`]; what was written before stays.
+    pub fn save_pictures(
+        &self,
+        palette: &Palette,
+        settings: PictureSettings,
+        workers: &Workers,
+        folder: &Path,
+        mut drawn: impl FnMut(),
+    ) -> Result<Vec<PathBuf>, FilmError> {
+        let camera = self.camera(settings)?;
+        let write = |(step, scene): &(u32, Scene)| {
+            let path = folder.join(format!("step_{step:04}.png"));
+            save_png(&path, &render(&Tracer::build(scene), &camera, palette, settings, workers))?;
+            drawn();
+            Ok(path)
+        };
+        self.frames.iter().map(write).collect()
+    }
+
+    /// One stand for the whole film.
+    fn camera(&self, settings: PictureSettings) -> Result<Camera, FilmError> {
+        let last = self.last().ok_or(FilmError::NoFrames)?;
+        Ok(camera(last, &self.bounds(), settings.aspect()))
     }
 }
 
 /// Draws and writes the picture of a scene.
-pub fn save_picture(scene: &Scene, palette: &Palette, workers: &Workers, path: &Path) -> Result<(), Failure> {
+///
+/// # Errors
+/// As [`save_png`].
+pub fn save_picture(
+    scene: &Scene,
+    palette: &Palette,
+    workers: &Workers,
+    path: &Path,
+) -> Result<(), FilmError> {
     let settings = PictureSettings::default();
     let camera = camera(scene, &Bounds::of(scene), settings.aspect());
-    let image = render(&Tracer::build(scene), &camera, palette, settings, workers);
-    Ok(save_png(path, &image)?)
+    save_png(path, &render(&Tracer::build(scene), &camera, palette, settings, workers))
 }
 
 /// The first of the views from which walls hide hardly any of the plants, or else the one from which they hide least.

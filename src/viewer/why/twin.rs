@@ -1,0 +1,122 @@
+//! One seed under two settings: a second garden that differs in one edit and keeps step with the first.
+
+use std::io;
+
+use crate::assets::Library;
+use crate::environment::workers::Workers;
+use crate::files::SharedTree;
+use crate::scenario::{
+    Edit, Gardener, GardenerSettings, News, Order, Progress, TimedEdit, Timeline, TimelineError, View,
+};
+
+/// Why there is no second garden.
+#[derive(Debug, thiserror::Error)]
+pub enum TwinError {
+    /// It cannot begin.
+    #[error(transparent)]
+    Timeline(#[from] TimelineError),
+    /// The system gives no thread.
+    #[error("no thread to grow on: {0}")]
+    Thread(#[from] io::Error),
+}
+
+/// The second garden.
+#[derive(Debug)]
+pub struct Twin {
+    gardener: Gardener,
+    progress: Progress,
+    view: Option<View>,
+    /// The step it has been told to grow to.
+    ordered: u32,
+    /// The step it has been asked to show.
+    sought: Option<u32>,
+}
+
+impl Twin {
+    /// Begins it: all as in a copy of the first, but with an edit made before anything grows.
+    ///
+    /// # Errors
+    /// [`TwinError`].
+    pub fn begin(mut copy: SharedTree, other: Edit, library: Library) -> Result<Self, TwinError> {
+        // First of all edits, so that what was edited later by hand still counts in both.
+        copy.edits.insert(0, TimedEdit { step: 0, edit: other });
+        let ordered = copy.steps;
+        let timeline = Timeline::from_shared(copy, library, Workers::default())?;
+        let gardener = Gardener::start(timeline, GardenerSettings::default())?;
+        Ok(Self { gardener, progress: Progress::default(), view: None, ordered, sought: None })
+    }
+
+    /// Keeps step: grows as far as the first has, and shows the step that is shown there.
+    pub fn follow(&mut self, shown: u32, present: u32) {
+        while let Some(news) = self.gardener.news() {
+            match news {
+                News::Grown(view, progress) | News::Changed { view, progress, .. } => {
+                    self.progress = progress;
+                    self.view = Some(view);
+                    self.sought = None;
+                }
+                News::Seen(view) => self.view = Some(view),
+                News::Status(progress) => self.progress = progress,
+                _ => {}
+            }
+        }
+        // One step at a time: it stops where the first does.
+        let idle = self.progress.catching_up.is_none() && self.progress.present >= self.ordered;
+        if idle && self.progress.present < present {
+            self.ordered = self.progress.present + 1;
+            let _ = self.gardener.order(Order::Step);
+        }
+        let there = self.view.as_ref().map(|view| view.step);
+        if shown <= self.progress.present && there != Some(shown) && self.sought != Some(shown) {
+            self.sought = Some(shown);
+            let _ = self.gardener.order(Order::Seek(shown));
+        }
+    }
+
+    /// What it shows: the step of the first, or the last it has come to.
+    pub fn view(&self) -> Option<&View> {
+        self.view.as_ref()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use super::*;
+    use crate::growth::Mechanisms;
+
+    #[test]
+    fn a_twin_keeps_step_under_another_setting() {
+        let library = Library::embedded();
+        let workers = Workers::new(1).unwrap();
+        let resolved = library.scenario("figure_1d").unwrap();
+        let mut first = Timeline::new(resolved, 2, library.clone(), workers.clone()).unwrap();
+        for _ in 0..4 {
+            first.advance().unwrap();
+        }
+        let dark = Mechanisms { light: false, ..Mechanisms::default() };
+        let mut twin = Twin::begin(first.shared(), Edit::Mechanisms(dark), library.clone()).unwrap();
+        let mut wait = |step: u32, present: u32| {
+            let began = Instant::now();
+            while twin.view().is_none_or(|view| view.step != step || twin.progress.present < present) {
+                twin.follow(step, present);
+                std::thread::sleep(Duration::from_millis(5));
+                assert!(began.elapsed() < Duration::from_secs(60), "step {step}");
+            }
+            twin.view().cloned().unwrap()
+        };
+        let fourth = wait(4, 4);
+        assert_eq!(wait(6, 6).step, 6);
+        assert_eq!(wait(4, 6).shot, fourth.shot);
+        // The same as a garden that was always so.
+        let mut resolved = library.scenario("figure_1d").unwrap();
+        resolved.scenario.mechanisms = dark;
+        let mut always = Timeline::new(resolved, 2, library, workers).unwrap();
+        for _ in 0..4 {
+            always.advance().unwrap();
+        }
+        assert_eq!(always.now().hash(), fourth.shot.hash());
+        assert_ne!(first.now().hash(), fourth.shot.hash());
+    }
+}
