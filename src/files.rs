@@ -15,7 +15,7 @@ mod source;
 mod species;
 
 pub use read::{inside, read_text, replace_file, write_whole};
-pub use run::{RunFile, StepHashes};
+pub use run::{Likeness, RunFile, StepHashes};
 pub use save::{SaveError, is_save, read_save, write_save};
 pub use scenario::{FARTHEST_M, LARGEST_M, ResolvedScenario, ScenarioError};
 pub use set::parse_value;

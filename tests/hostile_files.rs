@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use burgeon::assets::{FileKind, Library, Opened};
-use burgeon::files::{FileError, ResolvedScenario, RunFile, StepHashes, parse_value, read_text};
+use burgeon::files::{FileError, Likeness, ResolvedScenario, RunFile, StepHashes, parse_value, read_text};
 use burgeon::limits;
 use burgeon::scenario::Scenario;
 use burgeon::species::Species;
@@ -363,9 +363,10 @@ fn step_hashes_stay_few_and_keep_the_newest() {
         assert_eq!(hashes.last(), Some((step, u64::from(step))));
     }
     let mut other = hashes.clone();
-    assert_eq!(hashes.first_difference(&other), None);
+    assert_eq!(hashes.compare(&other), Likeness::Same { upto: 99_999 });
+    assert_eq!(hashes.compare(&StepHashes::default()), Likeness::Unknown);
     other.push(99_999, 0);
-    assert_eq!(hashes.first_difference(&other), Some(99_999));
+    assert_eq!(hashes.compare(&other), Likeness::Differs { at: 99_999 });
 }
 
 /// Every shipped text and a run.

@@ -197,7 +197,7 @@ fn lk_13_the_solid_angle_of_a_ball() {
 #[test]
 fn lk_13_a_hidden_lamp_gives_nothing_and_a_half_hidden_one_half() {
     let mut scene = Scene { sky: night(), lamps: vec![lamp(Vec3::Z * 3.0, 5.0, 0.3)], ..Scene::default() };
-    let light = |scene: &Scene| direct_light(&Tracer::build(scene), Vec3::ZERO, &[]);
+    let light = |scene: &Scene| direct_light(&Tracer::build(scene), Vec3::ZERO, &[], LightRays::FINE);
     let free = light(&scene);
     scene.solids = vec![block(Vec3::new(2.0, 2.0, 0.1), Vec3::Z)];
     assert_eq!(light(&scene), 0.0);

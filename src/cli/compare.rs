@@ -50,6 +50,9 @@ impl Compare {
         let mut folder = self.output.folder("compare", names)?;
         let workers = self.common.workers()?;
 
+        folder.create()?;
+
+        let mut stopped = None;
         let mut rows = Vec::new();
         let mut trees = Vec::new();
         for plan in plans {
@@ -63,10 +66,8 @@ impl Compare {
                     reel.add(step, garden.scene());
                 }
             });
-            if let Some(stopped) = growing.stopped {
-                return Err(stopped.into());
-            }
-            reel.end(steps, growing.garden.scene());
+            reel.end(growing.garden.steps(), growing.garden.scene());
+            stopped = stopped.or(growing.stopped);
             let snapshot = growing.garden.snapshot();
             let form = Form::of(&snapshot, None);
             let name = growing.run.scenario.name;
@@ -77,7 +78,6 @@ impl Compare {
             trees.push((name, reel, Palette::of_snapshot(&snapshot)));
         }
 
-        folder.create()?;
         let large = PictureSettings { width: 480, height: 540, samples: 4 };
         let stills = draw(&trees, large, true, &workers);
         save_png(&folder.file("compare.png"), &side_by_side(&stills.concat(), 4))?;
@@ -96,7 +96,7 @@ impl Compare {
             say(row);
         }
         say(folder.line());
-        Ok(())
+        stopped.map_or(Ok(()), |stopped| Err(stopped.into()))
     }
 }
 

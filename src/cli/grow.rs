@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use burgeon::export::harvest::{self, Harvest, export_all};
 use burgeon::export::picture::Palette;
 use burgeon::export::reel::Reel;
-use burgeon::files::{RunFile, SaveError, StepHashes};
+use burgeon::files::{Likeness, RunFile, SaveError, StepHashes};
 use burgeon::scenario::{Garden, GardenError, SavedRun};
 use clap::Args;
 use serde::Serialize;
@@ -135,7 +135,15 @@ impl Grow {
         }
         let scenario = growing.run.scenario.name.clone();
         let mut folder = self.output.folder(&scenario, &names)?;
-        self.output.free(self.save.iter().cloned())?;
+        output::free(self.save.iter().cloned(), self.output.force)?;
+        if let Some(save) = self.save.as_deref().filter(|save| folder.holds(save, &names)) {
+            return Err(Failure::Usage(format!(
+                "{} is one of the run's own files; choose another --save",
+                save.display()
+            )));
+        }
+        folder.create()?;
+        output::can_write(self.save.iter())?;
 
         let mut reel = Reel::default();
         growing.grow(steps, |step, garden| {
@@ -164,12 +172,12 @@ impl Grow {
             SavedRun::new(growing.run.clone(), growing.garden.save()).write(path)?;
         }
 
-        let difference = again.as_ref().map(|hashes| hashes.first_difference(&growing.run.hashes));
-        self.tell(&growing, steps, difference, &workers, &folder);
-        match (growing.stopped, difference.flatten()) {
-            (_, Some(step)) => Err(Failure::NotTheSame(step)),
-            (Some(stopped), None) => Err(stopped.into()),
-            (None, None) => Ok(()),
+        let likeness = again.as_ref().map(|hashes| hashes.compare(&growing.run.hashes));
+        self.tell(&growing, steps, likeness, &workers, &folder);
+        match (growing.stopped, likeness) {
+            (_, Some(Likeness::Differs { at })) => Err(Failure::NotTheSame(at)),
+            (Some(stopped), _) => Err(stopped.into()),
+            (None, _) => Ok(()),
         }
     }
 
@@ -201,7 +209,7 @@ impl Grow {
         &self,
         growing: &Growing,
         steps_wanted: u32,
-        difference: Option<Option<u32>>,
+        likeness: Option<Likeness>,
         workers: &burgeon::environment::workers::Workers,
         folder: &output::Folder,
     ) {
@@ -229,8 +237,15 @@ impl Grow {
                 seconds: growing.seconds,
                 threads: workers.threads(),
                 hash: format!("{:016x}", growing.garden.snapshot().hash()),
-                same_tree: difference.map(|d| d.is_none()),
-                first_difference: difference.flatten(),
+                same_tree: match likeness {
+                    Some(Likeness::Same { .. }) => Some(true),
+                    Some(Likeness::Differs { .. }) => Some(false),
+                    Some(Likeness::Unknown) | None => None,
+                },
+                first_difference: match likeness {
+                    Some(Likeness::Differs { at }) => Some(at),
+                    _ => None,
+                },
                 files: folder.written.iter().map(|p| p.display().to_string()).collect(),
             };
             // A summary of numbers and texts always serialises.
@@ -252,8 +267,15 @@ impl Grow {
             grouped(form.leaves),
             grouped(form.organs),
         ));
-        if difference == Some(None) {
-            say("The same tree, bit for bit.");
+        match likeness {
+            Some(Likeness::Same { upto }) if upto == run.steps => say("The same tree, bit for bit."),
+            Some(Likeness::Same { upto }) => {
+                say(format_args!(
+                    "The same tree up to step {upto}, bit for bit; the run holds nothing of later ones."
+                ));
+            }
+            Some(Likeness::Unknown) => say("The run holds no hash of these steps: nothing to compare."),
+            Some(Likeness::Differs { .. }) | None => {}
         }
         say(folder.line());
     }

@@ -41,22 +41,46 @@ impl Output {
                 .find(|path| !path.exists())
                 .unwrap_or_default(),
         };
-        self.free(files.iter().map(|file| path.join(file)))?;
+        free(files.iter().map(|file| path.join(file)), self.force)?;
         Ok(Folder { path, written: Vec::new() })
-    }
-
-    /// Makes sure that none of these files is there, unless they may be replaced.
-    pub fn free(&self, files: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
-        let there: Vec<String> =
-            files.filter(|f| !self.force && f.exists()).map(|f| f.display().to_string()).collect();
-        if there.is_empty() { Ok(()) } else { Err(Failure::InTheWay(there)) }
     }
 }
 
+/// Makes sure that none of these files is there, unless they may be replaced.
+pub fn free(files: impl Iterator<Item = PathBuf>, replace: bool) -> Result<(), Failure> {
+    let there: Vec<String> =
+        files.filter(|f| !replace && f.exists()).map(|f| f.display().to_string()).collect();
+    if there.is_empty() { Ok(()) } else { Err(Failure::InTheWay(there)) }
+}
+
+/// Makes sure that files can be written where they shall be, before long work is done for them.
+pub fn can_write<'a>(files: impl Iterator<Item = &'a PathBuf>) -> Result<(), Failure> {
+    for file in files {
+        let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new("."));
+        tempfile_in(folder).map_err(|source| Failure::Io { what: file.display().to_string(), source })?;
+    }
+    Ok(())
+}
+
+/// Writes an empty file in a folder and takes it away again.
+fn tempfile_in(folder: &Path) -> std::io::Result<()> {
+    let probe = folder.join(format!(".burgeon-{}", std::process::id()));
+    std::fs::File::create(&probe)?;
+    std::fs::remove_file(probe)
+}
+
 impl Folder {
-    /// Makes the folder.
+    /// Whether a path is that of one of these files in it.
+    pub fn holds(&self, path: &Path, names: &[&str]) -> bool {
+        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+        names.iter().any(|name| whole(&self.path.join(name)) == whole(path))
+    }
+
+    /// Makes the folder, and makes sure that it can be written to.
     pub fn create(&self) -> Result<(), Failure> {
         std::fs::create_dir_all(&self.path)
+            .and_then(|()| tempfile_in(&self.path))
             .map_err(|source| Failure::Io { what: self.path.display().to_string(), source })
     }
 

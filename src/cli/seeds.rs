@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use burgeon::environment::workers::Workers;
 use burgeon::plant::measure::Form;
-use burgeon::scenario::Garden;
+use burgeon::scenario::{Garden, GardenError};
 use serde::Serialize;
 
 use super::Failure;
@@ -50,7 +50,7 @@ struct Tree {
     steps: u32,
     form: Form,
     hash: u64,
-    stopped: Option<String>,
+    stopped: Option<GardenError>,
 }
 
 /// Columns that have a mean and a spread, and how to read them.
@@ -87,6 +87,7 @@ struct Summary<'a> {
 pub fn run(input: &Input, output: &Output, seeds: SeedRange, json: bool) -> Result<(), Failure> {
     let plan = input.plan()?;
     let mut folder = output.folder(&format!("{}_seeds", plan.resolved.scenario.name), &["seeds.csv"])?;
+    folder.create()?;
     let count = (seeds.last - seeds.first + 1) as usize;
     let bar = progress(count as u64, "tree");
     let trees = input.common.workers()?.map(count, |i| {
@@ -103,20 +104,21 @@ pub fn run(input: &Input, output: &Output, seeds: SeedRange, json: bool) -> Resu
             steps: garden.steps(),
             form: garden.records().last().map(|r| r.form).unwrap_or_default(),
             hash: garden.snapshot().hash(),
-            stopped: stopped.map(|e| e.to_string()),
+            stopped,
         })
     });
     bar.finish_and_clear();
     let trees: Vec<Tree> = trees.into_iter().collect::<Result<_, Failure>>()?;
 
+    // Trees of different ages have no mean: those that stopped early are in the table only.
+    let stopped = trees.iter().filter(|t| t.stopped.is_some()).count();
     let statistics = COLUMNS.map(|(name, read)| {
-        let (mean, sd) = mean_and_sd(trees.iter().map(|t| read(&t.form)));
+        let grown = trees.iter().filter(|t| t.stopped.is_none() || stopped == count);
+        let (mean, sd) = mean_and_sd(grown.map(|t| read(&t.form)));
         Statistic { name, mean, sd }
     });
-    folder.create()?;
     folder.text("seeds.csv", &table(&trees, &statistics))?;
 
-    let stopped = trees.iter().filter(|t| t.stopped.is_some()).count();
     let name = &plan.resolved.scenario.name;
     if json {
         let files = folder.written.iter().map(|p| p.display().to_string()).collect();
@@ -131,7 +133,9 @@ pub fn run(input: &Input, output: &Output, seeds: SeedRange, json: bool) -> Resu
         // A summary of numbers and texts always serialises.
         say(serde_json::to_string_pretty(&summary).unwrap_or_default());
     } else {
-        say(format_args!("{name}, {count} trees of {} steps, mean and standard deviation:", plan.steps));
+        let grown = if stopped < count { count - stopped } else { count };
+        let steps = if stopped < count { plan.steps.to_string() } else { "fewer than all".into() };
+        say(format_args!("{name}, {grown} trees of {steps} steps, mean and standard deviation:"));
         for Statistic { name, mean, sd } in &statistics {
             say(format_args!("  {name:17} {mean:10.3} ± {sd:.3}"));
         }
@@ -142,7 +146,7 @@ pub fn run(input: &Input, output: &Output, seeds: SeedRange, json: bool) -> Resu
             eprintln!("burgeon: seed {}: {reason}", tree.seed);
         }
     }
-    Ok(())
+    trees.into_iter().find_map(|tree| tree.stopped).map_or(Ok(()), |stopped| Err(stopped.into()))
 }
 
 fn table(trees: &[Tree], statistics: &[Statistic]) -> String {

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::Failure;
 use super::input::{Input, library};
-use super::output::{progress, say};
+use super::output::{self, progress, say};
 
 /// Grow a scenario and tell why an organ is, or went, as it did.
 #[derive(Args, Debug)]
@@ -29,6 +29,10 @@ pub struct Why {
     /// Also draw what it saw: six faces unfolded.
     #[arg(long, value_name = "FILE.png")]
     picture: Option<std::path::PathBuf>,
+
+    /// Replace the picture if it is already there.
+    #[arg(long, requires = "picture")]
+    force: bool,
 }
 
 #[derive(Serialize)]
@@ -86,6 +90,8 @@ impl Why {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
         let plan = self.input.plan()?;
+        output::free(self.picture.iter().cloned(), self.force)?;
+        output::can_write(self.picture.iter())?;
         let library = library(&self.input.common.assets)?;
         let workers = self.input.common.workers()?;
         let mut timeline = Timeline::new(plan.resolved, plan.seed, library, workers)?;

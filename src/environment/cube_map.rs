@@ -15,7 +15,7 @@ use bevy::math::{Vec3, ops};
 use bevy::prelude::Reflect;
 use serde::{Deserialize, Serialize};
 
-use super::direct_light::direct_light;
+use super::direct_light::{LightRays, direct_light};
 use super::probe::{Probe, TexelWeight};
 use super::scene::{Sky, SkyGradient};
 use super::trace::{FaceRays, Frame, Seen, Texel, Tracer};
@@ -198,7 +198,8 @@ impl CubeMap {
 
     /// Sky light, lamps and sun, at most 1.
     pub fn light(&self, tracer: &Tracer, blind: &[u32]) -> f32 {
-        (self.sky_light(&tracer.scene().sky) + direct_light(tracer, self.position, blind)).clamp(0.0, 1.0)
+        (self.sky_light(&tracer.scene().sky) + direct_light(tracer, self.position, blind, LightRays::FINE))
+            .clamp(0.0, 1.0)
     }
 
     /// What each face reads, space up to `range` metres.

@@ -12,10 +12,22 @@ use bevy::math::{Vec3, ops};
 use super::scene::{StandingLamp, SunLight};
 use super::trace::Tracer;
 
-/// Points on a lamp.
-const LAMP_RAYS: u32 = 16;
-/// Points on the sun.
-const SUN_RAYS: u32 = 4;
+/// How many points of a lamp and of the sun are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LightRays {
+    /// Points on each lamp.
+    pub lamp: u32,
+    /// Points on the sun.
+    pub sun: u32,
+}
+
+impl LightRays {
+    /// For what an organ lives by.
+    pub const FINE: Self = Self { lamp: 16, sun: 4 };
+    /// For comparing the many places a bud could grow to.
+    pub const COARSE: Self = Self { lamp: 4, sun: 1 };
+}
+
 /// 1 - cosine of the sun's angular radius, 0.266 degrees.
 const SUN_HEIGHT: f32 = 1.08e-5;
 /// Turn from one point to the next, radians.
@@ -25,10 +37,10 @@ pub(super) const GOLDEN_ANGLE: f32 = 2.399_963_1;
 ///
 /// A lamp gives its strength x the share of it that is visible x the solid angle it fills / 4 pi, and its
 /// whole strength to a point inside it. The sun gives its strength x the share that is visible.
-pub fn direct_light(tracer: &Tracer, point: Vec3, blind: &[u32]) -> f32 {
+pub fn direct_light(tracer: &Tracer, point: Vec3, blind: &[u32], rays: LightRays) -> f32 {
     let scene = tracer.scene();
-    let lamps: f32 = scene.lamps.iter().map(|lamp| lamp_light(tracer, lamp, point, blind)).sum();
-    lamps + scene.sun.as_ref().map_or(0.0, |sun| sun_light(tracer, sun, point, blind))
+    let lamps: f32 = scene.lamps.iter().map(|lamp| lamp_light(tracer, lamp, point, blind, rays.lamp)).sum();
+    lamps + scene.sun.as_ref().map_or(0.0, |sun| sun_light(tracer, sun, point, blind, rays.sun))
 }
 
 /// Solid angle of a ball of radius `radius` at `distance` from a point, steradians; all of 4 pi inside it.
@@ -41,7 +53,7 @@ pub fn ball_solid_angle(radius: f32, distance: f32) -> f32 {
     TAU * x / (1.0 + (1.0 - x).sqrt())
 }
 
-fn lamp_light(tracer: &Tracer, standing: &StandingLamp, point: Vec3, blind: &[u32]) -> f32 {
+fn lamp_light(tracer: &Tracer, standing: &StandingLamp, point: Vec3, blind: &[u32], rays: u32) -> f32 {
     let lamp = standing.lamp;
     let to_lamp = standing.position - point;
     let distance = to_lamp.length();
@@ -53,7 +65,7 @@ fn lamp_light(tracer: &Tracer, standing: &StandingLamp, point: Vec3, blind: &[u3
         return lamp.strength;
     }
     let solid_angle = ball_solid_angle(lamp.radius, distance);
-    let visible = visible_share(LAMP_RAYS, to_lamp / distance, solid_angle / TAU, |ray, cosine| {
+    let visible = visible_share(rays, to_lamp / distance, solid_angle / TAU, |ray, cosine| {
         // Where the ray meets the ball.
         let along = distance * cosine;
         let inside = (lamp.radius * lamp.radius - distance * distance + along * along).max(0.0).sqrt();
@@ -62,13 +74,13 @@ fn lamp_light(tracer: &Tracer, standing: &StandingLamp, point: Vec3, blind: &[u3
     lamp.strength * visible * solid_angle / (4.0 * PI)
 }
 
-fn sun_light(tracer: &Tracer, sun: &SunLight, point: Vec3, blind: &[u32]) -> f32 {
+fn sun_light(tracer: &Tracer, sun: &SunLight, point: Vec3, blind: &[u32], rays: u32) -> f32 {
     let towards = sun.direction.normalize_or_zero();
     if towards == Vec3::ZERO || sun.strength <= 0.0 {
         return 0.0;
     }
     sun.strength
-        * visible_share(SUN_RAYS, towards, SUN_HEIGHT, |ray, _| {
+        * visible_share(rays, towards, SUN_HEIGHT, |ray, _| {
             !tracer.occluded(point, ray, f32::INFINITY, blind)
         })
 }

@@ -73,7 +73,11 @@ pub fn standing_scene(world: &mut World) -> Scene {
     let sun = suns
         .iter(world)
         .map(|(sun, transform)| SunLight { direction: transform.rotation * Vec3::Z, strength: sun.strength })
-        .max_by(|a, b| a.strength.total_cmp(&b.strength));
+        // Of equally strong ones the direction decides, never the order of entities.
+        .max_by(|a, b| {
+            let place = |sun: &SunLight| place(sun.direction);
+            a.strength.total_cmp(&b.strength).then(place(a).cmp(&place(b)))
+        });
     Scene {
         solids,
         lamps,

@@ -21,7 +21,7 @@ mod search;
 use bevy::math::{Quat, Vec3};
 
 use super::cube_map::CubeMap;
-use super::direct_light::direct_light;
+use super::direct_light::{LightRays, direct_light};
 use super::probe::{Probe, Sensing, SensingMode};
 use super::trace::Tracer;
 use super::workers::Workers;
@@ -198,7 +198,9 @@ fn candidates(
                     let Reading { light, space } = reprojection.at(offset);
                     let lamps = match request.reading {
                         LightReading::Share => 0.0,
-                        LightReading::Radiance if search.light_on => direct_light(tracer, point, blind_to),
+                        LightReading::Radiance if search.light_on => {
+                            direct_light(tracer, point, blind_to, LightRays::COARSE)
+                        }
                         LightReading::Radiance => 0.0,
                     };
                     Reading { light: (light + lamps).clamp(0.0, 1.0), space }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::ExportError;
 use super::error::to_file;
 use crate::plant::measure::StepRecord;
-use crate::plant::{LateralBudState, LeafState, NO_PARENT, OrganState, Snapshot};
+use crate::plant::{LateralBudState, LeafState, NO_PARENT, OrganKind, OrganState, Snapshot};
 
 /// A row of `organs.csv`; what an organ's kind does not have is left empty.
 #[derive(Serialize)]
@@ -32,9 +32,9 @@ struct OrganRow {
     length: Option<f32>,
     radius: Option<f32>,
     size: Option<f32>,
-    light: f32,
-    space: f32,
-    allotment: f32,
+    light: Option<f32>,
+    space: Option<f32>,
+    allotment: Option<f32>,
     energy_in: f32,
     energy_out: f32,
 }
@@ -123,6 +123,8 @@ fn organ_row(snapshot: &Snapshot, i: usize) -> OrganRow {
     let parent = snapshot.parent[i];
     let born = snapshot.span[i].born();
     let pose = &snapshot.pose[i];
+    // Wood looks nowhere, and nothing is set aside for it.
+    let looks = snapshot.state[i].kind() != OrganKind::Internode;
     OrganRow {
         birth: snapshot.birth[i],
         parent: (parent != NO_PARENT).then(|| snapshot.birth[parent as usize]),
@@ -143,9 +145,9 @@ fn organ_row(snapshot: &Snapshot, i: usize) -> OrganRow {
         length,
         radius,
         size,
-        light: snapshot.exposure[i].light,
-        space: snapshot.exposure[i].space,
-        allotment: snapshot.allotment[i],
+        light: looks.then_some(snapshot.exposure[i].light),
+        space: looks.then_some(snapshot.exposure[i].space),
+        allotment: looks.then_some(snapshot.allotment[i]),
         energy_in: snapshot.flow[i].income,
         energy_out: snapshot.flow[i].upkeep,
     }

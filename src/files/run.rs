@@ -67,10 +67,35 @@ impl StepHashes {
         self.0.last_key_value().map(|(step, hash)| (*step, hash.0))
     }
 
-    /// The first step that both have with different hashes.
-    pub fn first_difference(&self, other: &Self) -> Option<u32> {
-        self.0.iter().find(|(step, hash)| other.0.get(step).is_some_and(|h| h != *hash)).map(|(s, _)| *s)
+    /// Compares the steps that both keep.
+    pub fn compare(&self, other: &Self) -> Likeness {
+        let mut last = None;
+        for (&step, hash) in &self.0 {
+            match other.0.get(&step) {
+                Some(found) if found != hash => return Likeness::Differs { at: step },
+                Some(_) => last = Some(step),
+                None => {}
+            }
+        }
+        last.map_or(Likeness::Unknown, |upto| Likeness::Same { upto })
     }
+}
+
+/// Whether two runs grew the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Likeness {
+    /// The same at every step that both keep.
+    Same {
+        /// The last such step.
+        upto: u32,
+    },
+    /// Different.
+    Differs {
+        /// The first step at which they differ.
+        at: u32,
+    },
+    /// They keep no step in common.
+    Unknown,
 }
 
 /// What `run.ron` holds.

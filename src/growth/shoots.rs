@@ -87,6 +87,8 @@ pub fn extend(
     mut wander: impl FnMut() -> [f32; 2],
 ) -> Vec<Segment> {
     const LEAST: f32 = 1e-4;
+    // A shoot that all but reaches its next node forms it: a hair less energy must not cost a whole node.
+    const NEARLY: f32 = 0.95;
     let control = Control { gain: species.steering_gain, lag: species.steering_lag };
     let mut left = plan.length;
     let mut segments = Vec::new();
@@ -109,7 +111,7 @@ pub fn extend(
         left -= step.length;
         let blocked = step.length < wanted * 0.999;
         let closes = plan.closes && left <= LEAST;
-        let at_node = tip.bud.height_since_node >= species.node_spacing_m - LEAST || closes || blocked;
+        let at_node = tip.bud.height_since_node >= NEARLY * species.node_spacing_m || closes || blocked;
         let internode = Internode {
             length: step.length,
             radius: species.twig_radius_m,

@@ -4,7 +4,7 @@ use core::ops::RangeInclusive;
 
 use image::RgbImage;
 
-use super::measure::{collisions, crown_to_wall, mean, passing_through, rank_correlation};
+use super::measure::{collisions, crown_to_wall, growth, mean, passing_through, rank_correlation};
 use super::{Claim, ReproduceError, for_seeds, grown, pictures};
 use crate::assets::Library;
 use crate::environment::workers::Workers;
@@ -30,7 +30,7 @@ struct Tree {
     collisions: [usize; 4],
     /// Pairs that collide, for every 1000 internodes.
     collision_rate: [f64; 4],
-    /// Correlation of a bud's height with the energy it receives, in (b) and (c).
+    /// Correlation of a bud's height with what it grows, in (b) and (c).
     favour: [f64; 2],
     /// Distance of the crown from the wall's face, metres, in (c) and (d).
     distance: [f64; 2],
@@ -76,7 +76,7 @@ pub(super) fn grow(
             row: "LK-17",
             paper: "(c) higher buds are favoured over lower ones; in (b) all are alike",
             measured: format!(
-                "rank correlation of height and energy: c {favoured:+.2}, b {even:+.2}; c > 0 for {higher} of {n}"
+                "rank correlation of height and growth: c {favoured:+.2}, b {even:+.2}; c > 0 for {higher} of {n}"
             ),
             holds: favoured > 0.15 && even.abs() < 0.05,
         },
@@ -120,7 +120,8 @@ fn measured(library: &Library, seed: u64) -> Result<Tree, ReproduceError> {
     let mut shots = Vec::new();
     let mut walls = Vec::new();
     for (part, (name, _)) in PARTS.into_iter().enumerate() {
-        let (mut garden, favours) = grown(library, name, seed, favour)?;
+        let mut before = Snapshot::default();
+        let (mut garden, favours) = grown(library, name, seed, |garden| favour(&mut before, garden))?;
         let shot = garden.snapshot();
         tree.collisions[part] = collisions(&shot);
         let stems = shot.state.iter().filter(|s| s.kind() == OrganKind::Internode).count();
@@ -145,13 +146,11 @@ fn walls_of(garden: &mut Garden) -> Vec<StandingSolid> {
     crate::environment::standing_solids(solids.iter(world))
 }
 
-/// Rank correlation of the height of apical buds with the energy they were just given; `None` while there are
-/// fewer than five. Without energy in the model all are given what they can use.
-fn favour(garden: &mut Garden) -> Option<f64> {
-    let shot: Snapshot = garden.snapshot();
-    let pairs: Vec<(f32, f32)> = (0..shot.len())
-        .filter(|&i| shot.state[i].kind() == OrganKind::ApicalBud)
-        .map(|i| (shot.pose[i].position.y, shot.allotment[i]))
-        .collect();
+/// Rank correlation of the height of apical buds with what they grow in the next step; `None` while there are fewer
+/// than five.
+fn favour(before: &mut Snapshot, garden: &mut Garden) -> Option<f64> {
+    let after: Snapshot = garden.snapshot();
+    let pairs = growth(before, &after);
+    *before = after;
     (pairs.len() >= 5).then(|| rank_correlation(&pairs))
 }

@@ -5,7 +5,7 @@ use bevy::prelude::*;
 use crate::environment::obstacles::touches;
 use crate::environment::sense::room::segment_gap;
 use crate::environment::{SolidShape, StandingSolid};
-use crate::plant::{OrganKind, OrganState, Snapshot};
+use crate::plant::{NO_PARENT, OrganKind, OrganState, Snapshot};
 
 /// The mean; 0 of nothing.
 pub fn mean(values: &[f64]) -> f64 {
@@ -42,6 +42,30 @@ fn ranks(values: impl Iterator<Item = f32>) -> Vec<f64> {
         below += tied.len();
     }
     ranks
+}
+
+/// Where each apical bud of one step stood (height, metres) and by how much it grew in the next (metres), in order of
+/// birth: 0 for one that did not grow.
+pub fn growth(before: &Snapshot, after: &Snapshot) -> Vec<(f32, f32)> {
+    let is_new = |i: usize| after.birth[i] >= before.next_birth;
+    let is_wood = |i: usize| after.state[i].kind() == OrganKind::Internode;
+    let mut shoots: Vec<(f32, f32)> = Vec::new();
+    // For every organ, the shoot of this step it is part of.
+    let mut part_of = vec![usize::MAX; after.len()];
+    for i in 0..after.len() {
+        let parent = (after.parent[i] != NO_PARENT).then_some(after.parent[i] as usize);
+        if is_new(i) && is_wood(i) {
+            let goes_on = parent.filter(|&p| is_new(p) && after.order[p] == after.order[i]);
+            part_of[i] = goes_on.map_or(shoots.len(), |p| part_of[p]);
+            if goes_on.is_none() {
+                shoots.push((after.pose[i].position.y, 0.0));
+            }
+            shoots[part_of[i]].1 += after.length(i);
+        } else if !is_new(i) && after.state[i].kind() == OrganKind::ApicalBud {
+            shoots.push((after.pose[i].position.y, 0.0));
+        }
+    }
+    shoots
 }
 
 /// A stem segment to be tested against others.
