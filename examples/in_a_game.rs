@@ -36,9 +36,9 @@ fn plant(mut commands: Commands) -> Result {
     Ok(())
 }
 
-/// Around the tree, slowly.
+/// To and fro before the wall, slowly, so that the tree never hides behind it.
 fn walk(time: Res<Time>, mut camera: Single<&mut Transform, With<Camera3d>>) {
-    let (sin, cos) = ops::sin_cos(0.1 * time.elapsed_secs());
+    let (sin, cos) = ops::sin_cos(1.1 * ops::sin(0.1 * time.elapsed_secs()));
     **camera = Transform::from_xyz(14.0 * sin, 2.5, 14.0 * cos).looking_at(Vec3::Y * 3.0, Vec3::Y);
 }
 
