@@ -91,6 +91,7 @@ impl Plugin for PlantPlugin {
         world.register_component::<Node>();
         world.register_component::<ApicalBud>();
         world.register_component::<crate::tropism::Steering>();
+        world.register_component::<crate::tropism::Signals>();
         world.register_component::<GrowthTarget>();
         world.register_component::<LateralBud>();
         world.register_component::<Leaf>();
