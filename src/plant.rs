@@ -9,6 +9,7 @@ mod organ;
 pub mod pose;
 mod roster;
 mod shed;
+pub mod skeleton;
 mod snapshot;
 
 pub use check::SnapshotError;

@@ -9,12 +9,14 @@
 //!
 //! That is the control system of L. Streit, P. Federl and M. C. Sousa, *Modelling Plant Variation Through Growth*
 //! (rows `ST-5` to `ST-13`). [`step`] is one sub-step of it. Growth calls it for every new stem segment with the
-//! target that light and space chose.
+//! target that light and space chose; [`vary`](vary::vary) grows a finished
+//! skeleton again through it.
 
 mod controller;
 mod set_point;
 mod signals;
 pub mod stability;
+pub mod vary;
 
 pub use controller::{Control, ControlError, Influence, Spread, Steering, lean, step, turned_to, wavers};
 pub use set_point::Tropisms;

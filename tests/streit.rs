@@ -6,12 +6,15 @@ use bevy::math::{Vec2, ops};
 use bevy::prelude::*;
 use burgeon::chance;
 use burgeon::environment::SolidShape;
+use burgeon::environment::workers::Workers;
 use burgeon::growth::shoots::{Plan, Tip, extend};
-use burgeon::plant::ApicalBud;
+use burgeon::plant::skeleton::{Skeleton, StemSegment};
+use burgeon::plant::{ApicalBud, NO_PARENT};
 use burgeon::scenario::PlacedSolid;
 use burgeon::species::Species;
 use burgeon::species::parameter::{ByOrder, Value};
 use burgeon::tropism::stability::{critical_gain, stability};
+use burgeon::tropism::vary::{Variation, siblings, vary};
 use burgeon::tropism::{Control, Influence, Signals, Spread, Steering, lean, step, turned_to};
 use common::check::check_solids;
 use common::{grown, over_seeds, quick};
@@ -158,10 +161,8 @@ fn st_07_the_response_is_always_the_same_distance_from_the_tip() {
         let mut flight = Flight::new(Control::new(1.0, 2).unwrap(), Quat::IDENTITY);
         let mut sensed = None;
         for k in 0..pushed + 8 {
-            let influence = Influence {
-                disturbance: if k == pushed { lean(0.4, 0.7) } else { Vec2::ZERO },
-                ..default()
-            };
+            let influence =
+                Influence { disturbance: if k == pushed { lean(0.4, 0.7) } else { Vec2::ZERO }, ..default() };
             let before = flight.heading();
             let after = flight.step(Vec3::Y, influence);
             if k > pushed && sensed.is_none() {
@@ -211,7 +212,10 @@ fn st_08_draws_have_the_spread_asked_for() {
     let (mean, deviation, most) = draw(Spread::Gaussian);
     assert!(mean < 0.01 && (deviation - 0.2).abs() < 0.01 && most > 0.5, "{mean} {deviation} {most}");
     let (mean, deviation, most) = draw(Spread::Uniform);
-    assert!(mean < 0.01 && (deviation - 0.2 / 3_f32.sqrt()).abs() < 0.01 && most <= 0.2, "{deviation} {most}");
+    assert!(
+        mean < 0.01 && (deviation - 0.2 / 3_f32.sqrt()).abs() < 0.01 && most <= 0.2,
+        "{deviation} {most}"
+    );
 }
 
 #[test]
@@ -241,7 +245,8 @@ fn st_10_under_equal_and_over_compensation() {
 #[test]
 fn st_13_integral_control_takes_away_what_a_steady_push_leaves_and_derivative_control_damps() {
     let pushed = |integral: f32| {
-        let mut flight = Flight::new(Control { gain: 0.1, integral, derivative: 0.0, lag: 3 }, Quat::IDENTITY);
+        let mut flight =
+            Flight::new(Control { gain: 0.1, integral, derivative: 0.0, lag: 3 }, Quat::IDENTITY);
         let push = Influence { disturbance: Vec2::new(0.02, 0.0), ..default() };
         (0..800).map(|_| flight.step(Vec3::Y, push).angle_between(Vec3::Y)).last().unwrap()
     };
@@ -307,7 +312,9 @@ fn wavering() -> Species {
 #[test]
 fn turning_the_world_turns_the_shoot() {
     let species = wavering();
-    for (seed, turn) in [(1, Quat::from_rotation_z(2.0)), (2, Quat::from_euler(EulerRot::XYZ, 0.4, -2.9, 1.3))] {
+    for (seed, turn) in
+        [(1, Quat::from_rotation_z(2.0)), (2, Quat::from_euler(EulerRot::XYZ, 0.4, -2.9, 1.3))]
+    {
         let here = shoot(&species, Quat::IDENTITY, towards_x(0.3), seed);
         let there = shoot(&species, turn, turn * towards_x(0.3), seed);
         let off = here.iter().zip(&there).map(|(a, b)| (turn * *a).distance(*b)).fold(0.0, f32::max);
@@ -378,7 +385,9 @@ fn at_the_extremes_of_every_range_no_branch_passes_through_a_wall() {
             let range = Species::parameters().iter().find(|p| p.name == name).unwrap().range;
             let top = chance::unit(&mut rng) < 0.5;
             let value = match range {
-                burgeon::species::parameter::Range::Real { min, max } => Value::Real(if top { max } else { min }),
+                burgeon::species::parameter::Range::Real { min, max } => {
+                    Value::Real(if top { max } else { min })
+                }
                 burgeon::species::parameter::Range::Whole { min, max } => {
                     Value::Whole(if top { max } else { min })
                 }
@@ -398,4 +407,149 @@ fn at_the_extremes_of_every_range_no_branch_passes_through_a_wall() {
     let grew = organs.iter().filter(|n| **n > 20).count();
     println!("{grew} of 100 grew; organs {organs:?}");
     assert!(grew > 40, "{organs:?}");
+}
+
+/// A trunk of a hundred segments with an arched side branch at every fifth: 500 internodes.
+fn plant() -> Skeleton {
+    let mut plant = Skeleton::default();
+    let up = |k: usize| Vec3::new(0.0, 0.05 * k as f32, 0.0);
+    let trunk = plant.add_stem(None, &(0..=100).map(up).collect::<Vec<_>>(), [0.04, 0.01]);
+    for k in (0..100).step_by(5) {
+        let side = Quat::from_rotation_y(2.4 * k as f32) * Vec3::X;
+        let arch = |j: usize| up(k + 1) + (side + Vec3::Y * (0.4 - 0.02 * j as f32)) * 0.05 * j as f32;
+        let branch = plant.add_stem(Some(trunk[k]), &(0..=20).map(arch).collect::<Vec<_>>(), [0.01, 0.004]);
+        plant.add_leaf(branch[19], side, 1.0);
+    }
+    plant
+}
+
+#[test]
+fn siblings_keep_the_species_and_no_two_are_alike() {
+    let base = plant();
+    assert_eq!(base.segments.len(), 500);
+    let workers = Workers::new(2).unwrap();
+    let all = siblings(&base, &Variation::default(), 7, 100, &workers).unwrap();
+    let mut heights = Vec::new();
+    for one in &all {
+        one.check().unwrap();
+        assert_eq!((one.nodes(), one.leaves.len()), (base.nodes(), base.leaves.len()));
+        assert!((one.total_length() / base.total_length() - 1.0).abs() < 1e-5);
+        heights.push(one.height() / base.height());
+    }
+    let [low, high] =
+        [heights.iter().copied().fold(9.0, f32::min), heights.iter().copied().fold(0.0, f32::max)];
+    println!("heights of 100 siblings: {low:.3} to {high:.3} of the base model's");
+    assert!(low > 0.85 && high < 1.05, "{low} {high}");
+    let ends: Vec<Vec<Vec3>> =
+        all.iter().map(|s| s.segments.iter().map(StemSegment::tip).collect()).collect();
+    for (k, one) in ends.iter().enumerate() {
+        for (l, other) in ends.iter().enumerate().skip(k + 1) {
+            let apart = one.iter().zip(other).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+            assert!(apart > 1e-3, "{k} and {l}: {apart}");
+        }
+    }
+    // The same siblings again, on any number of threads, and one by one.
+    assert_eq!(all, siblings(&base, &Variation::default(), 7, 100, &Workers::new(1).unwrap()).unwrap());
+}
+
+#[test]
+fn st_11_without_noise_a_sibling_is_its_base_model_and_corners_stay() {
+    let still = Variation { sensing_error: 0.0, disturbance: 0.0, ..Variation::default() };
+    let base = plant();
+    let straight = Variation { control: Control::DIRECT, ..still };
+    for (variation, apart) in [(straight, 1e-4), (still, 0.25)] {
+        let same = vary(&base, &variation, 1).unwrap();
+        let ends: Vec<Vec3> = same.segments.iter().filter(|s| s.node).map(StemSegment::tip).collect();
+        let off = ends.iter().zip(&base.segments).map(|(a, b)| a.distance(b.tip())).fold(0.0, f32::max);
+        assert!(off < apart, "{off}");
+    }
+    // A corner of the base model is one of the sibling, by the same angle.
+    let mut elbow = Skeleton::default();
+    elbow.add_stem(None, &[Vec3::ZERO, Vec3::Y, Vec3::new(1.0, 1.0, 0.0)], [0.02, 0.01]);
+    let bent = vary(&elbow, &Variation { sub_step: Some(0.05), ..Variation::default() }, 3).unwrap();
+    let corner = bent.segments.iter().position(|s| s.node).unwrap();
+    let [before, after] = [corner, corner + 1].map(|k| bent.segments[k].pose.heading());
+    let angle = before.angle_between(after).to_degrees();
+    assert!((angle - 90.0).abs() < 20.0, "{angle}");
+}
+
+#[test]
+fn st_11_a_branch_begins_where_its_parent_ends_and_keeps_to_gravity_or_to_the_parent() {
+    let base = plant();
+    let pushed = Variation { disturbance: 0.08, ..Variation::default() };
+    for share in [0.0, 1.0] {
+        let one = vary(&base, &Variation { relative_to_parent: share, ..pushed }, 5).unwrap();
+        for stem in one.segments.iter().filter(|s| s.parent != NO_PARENT) {
+            let apart = one.segments[stem.parent as usize].tip().distance(stem.pose.position);
+            assert!(apart < 1e-5, "{apart}");
+        }
+    }
+    // Branches that keep to gravity stray less from their own course than those that keep to a parent astray.
+    let astray = |share: f32| {
+        let variation = Variation { relative_to_parent: share, disturbance: 0.15, ..Variation::default() };
+        let mut off = 0.0;
+        for seed in 0..20 {
+            let one = vary(&base, &variation, seed).unwrap();
+            let ends: Vec<&StemSegment> = one.segments.iter().filter(|s| s.node).collect();
+            let strays = ends.iter().zip(&base.segments).skip(100);
+            off += strays.map(|(a, b)| a.pose.heading().angle_between(b.pose.heading())).sum::<f32>();
+        }
+        off
+    };
+    assert!(astray(1.0) > 1.05 * astray(0.0), "{} {}", astray(1.0), astray(0.0));
+}
+
+#[test]
+fn turning_a_skeleton_turns_its_siblings() {
+    let base = plant();
+    let turn = Transform::from_rotation(Quat::from_euler(EulerRot::YXZ, 1.0, 2.5, -0.4));
+    let (here, there) = (base.moved(turn), vary(&base, &Variation::default(), 4).unwrap().moved(turn));
+    let here = vary(&here, &Variation::default(), 4).unwrap();
+    let off = here.segments.iter().zip(&there.segments).map(|(a, b)| a.tip().distance(b.tip()));
+    let off = off.fold(0.0, f32::max);
+    assert!(off < 1e-4 * base.height().max(1.0), "{off}");
+}
+
+#[test]
+fn what_cannot_be_varied_is_a_typed_error() {
+    let fine = Variation::default();
+    let told =
+        |skeleton: &Skeleton, variation: &Variation| vary(skeleton, variation, 1).unwrap_err().to_string();
+    assert_eq!(told(&Skeleton::default(), &fine), "the skeleton has no segments");
+    let mut flat = plant();
+    flat.segments[3].length = 0.0;
+    assert!(told(&flat, &fine).contains("segment 3 is 0 m long"));
+    let mut wild = plant();
+    wild.segments[3].length = f32::NAN;
+    assert!(vary(&wild, &fine, 1).is_err());
+    let mut looped = plant();
+    looped.segments[3].parent = 3;
+    assert!(told(&looped, &fine).contains("does not come before"));
+    let mut lost = plant();
+    lost.leaves[0].on = 5000;
+    assert!(told(&lost, &fine).contains("leaf 0"));
+    for bad in [
+        Variation { control: Control { gain: -1.0, ..fine.control }, ..fine },
+        Variation { control: Control { lag: 31, ..fine.control }, ..fine },
+        Variation { sensing_error: f32::NAN, ..fine },
+        Variation { disturbance: 9.0, ..fine },
+        Variation { relative_to_parent: 1.5, ..fine },
+        Variation { sub_step: Some(0.0), ..fine },
+        Variation { sub_step: Some(1e-5), ..fine },
+    ] {
+        assert!(vary(&plant(), &bad, 1).is_err(), "{bad:?}");
+    }
+}
+
+#[test]
+fn a_grown_plant_is_varied_and_steering_is_saved() {
+    let mut garden = grown(quick("two_oaks"), 2, 4);
+    assert!(!garden.snapshot().signals.is_empty(), "oaks answer late");
+    let save = garden.save();
+    let again = burgeon::scenario::Garden::resume(save, Workers::new(1).unwrap()).unwrap();
+    assert_eq!(again.snapshot(), garden.snapshot());
+    let base = Skeleton::of(&garden.snapshot(), 1).unwrap();
+    let one = vary(&base, &Variation::default(), 1).unwrap();
+    assert_eq!((one.nodes(), one.leaves.len()), (base.segments.len(), base.leaves.len()));
+    assert!(Skeleton::of(&garden.snapshot(), 2).is_err());
 }

@@ -67,7 +67,11 @@ impl Control {
     /// A ratio that is not within 0.01 to 100, or a lag above [`LONGEST_LAG`].
     pub fn of_ratio(ratio: f32, lag: u32) -> Result<Self, ControlError> {
         if !(0.01..=100.0).contains(&ratio) {
-            return Err(ControlError { what: "the compensation ratio", value: ratio, allowed: "0.01 to 100" });
+            return Err(ControlError {
+                what: "the compensation ratio",
+                value: ratio,
+                allowed: "0.01 to 100",
+            });
         }
         Self::new(1.0 / (ratio * lag.max(1) as f32), lag)
     }
@@ -251,5 +255,7 @@ fn error(sensed: Vec3, goal: Vec3) -> Vec2 {
 pub fn wavers(species: &Species) -> bool {
     let disturbed = species.wander_deg > 0.0 || species.sensing_error_deg > 0.0 || species.nutation_deg > 0.0;
     let drawn = [&species.gravitropism, &species.orthotropism, &species.plagiotropism, &species.autotropism];
-    disturbed || Control::of(species) != Control::DIRECT || drawn.iter().any(|by| by.0.iter().any(|w| *w != 0.0))
+    disturbed
+        || Control::of(species) != Control::DIRECT
+        || drawn.iter().any(|by| by.0.iter().any(|w| *w != 0.0))
 }

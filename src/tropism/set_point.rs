@@ -63,7 +63,8 @@ impl Tropisms {
 mod tests {
     use super::*;
 
-    const LIGHT: Tropisms = Tropisms { photo: 1.0, gravi: 0.0, ortho: 0.0, plagio: 0.0, auto: 0.0, reach: 1.0 };
+    const LIGHT: Tropisms =
+        Tropisms { photo: 1.0, gravi: 0.0, ortho: 0.0, plagio: 0.0, auto: 0.0, reach: 1.0 };
 
     #[test]
     fn light_alone_changes_no_bit() {

@@ -59,6 +59,11 @@ impl TryFrom<Packed> for Signals {
 }
 
 impl Signals {
+    /// Those of an axis that leaves its parent stem along a heading, a unit vector in the world.
+    pub fn setting_out(outset: Vec3) -> Self {
+        Self { outset, ..Self::default() }
+    }
+
     /// Whether there is nothing in it that growth depends on.
     pub fn is_default(&self) -> bool {
         *self == Self::default()
@@ -116,7 +121,8 @@ mod tests {
         signals.send(Vec2::new(0.1, -0.2), 7);
         let bytes = postcard::to_stdvec(&signals).unwrap();
         assert_eq!(postcard::from_bytes::<Signals>(&bytes).unwrap(), signals);
-        let long = Packed { due: vec![Vec2::ONE; SLOTS + 1], sum: Vec2::ZERO, last: Vec2::ZERO, outset: Vec3::ZERO };
+        let long =
+            Packed { due: vec![Vec2::ONE; SLOTS + 1], sum: Vec2::ZERO, last: Vec2::ZERO, outset: Vec3::ZERO };
         assert!(postcard::from_bytes::<Signals>(&postcard::to_stdvec(&long).unwrap()).is_err());
     }
 }

@@ -136,7 +136,10 @@ mod tests {
             let read = stability(&Control::new(critical_gain(lag), lag).unwrap()).unwrap();
             assert!((read.factor - 1.0).abs() < 1e-3, "lag {lag}: {}", read.factor);
             assert_eq!(read.verdict, Verdict::Swings);
-            assert!((read.period.unwrap() - (4 * lag + 2) as f32).abs() < 0.05 * lag as f32 + 0.1, "lag {lag}");
+            assert!(
+                (read.period.unwrap() - (4 * lag + 2) as f32).abs() < 0.05 * lag as f32 + 0.1,
+                "lag {lag}"
+            );
         }
     }
 
