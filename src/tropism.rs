@@ -13,6 +13,8 @@
 //! skeleton again through it.
 
 mod controller;
+pub mod relel;
+pub mod root;
 mod set_point;
 mod signals;
 pub mod stability;
