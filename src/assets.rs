@@ -15,7 +15,7 @@ macro_rules! embedded {
 }
 
 /// Shipped species: name and text.
-const SPECIES: &[(&str, &str)] = embedded!("species": "lam_king", "oak");
+const SPECIES: &[(&str, &str)] = embedded!("species": "lam_king", "oak", "lily", "horneophyton", "palm");
 
 /// Shipped scenarios: name and text.
 const SCENARIOS: &[(&str, &str)] = embedded!("scenarios":
