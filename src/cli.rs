@@ -10,6 +10,8 @@ mod output;
 mod probe;
 mod reproduce;
 mod seeds;
+mod stability;
+mod vary;
 mod watch;
 mod why;
 
@@ -57,6 +59,10 @@ enum Command {
     Describe(describe::Describe),
     /// Grow a figure of a paper and measure what the paper says of it.
     Reproduce(reproduce::Reproduce),
+    /// Grow siblings of a finished plant, none like another.
+    Vary(Box<vary::Vary>),
+    /// Tell what lag and compensation ratio make of a disturbance.
+    Stability(stability::StabilityMeter),
     /// Print the completion script of a shell.
     Completions(completions::Completions),
 }
@@ -80,6 +86,10 @@ enum Failure {
     Film(#[from] FilmError),
     #[error(transparent)]
     Harvest(#[from] burgeon::export::harvest::HarvestError),
+    #[error(transparent)]
+    Vary(#[from] burgeon::tropism::vary::VaryError),
+    #[error(transparent)]
+    Control(#[from] burgeon::tropism::ControlError),
     #[error(transparent)]
     Timeline(#[from] burgeon::scenario::TimelineError),
     /// There is no organ of that number.
@@ -136,6 +146,8 @@ pub fn main() -> ExitCode {
         Some(Command::Check(command)) => command.run(),
         Some(Command::Describe(command)) => command.run(),
         Some(Command::Reproduce(command)) => command.run(),
+        Some(Command::Vary(command)) => command.run(),
+        Some(Command::Stability(command)) => command.run(),
         Some(Command::Completions(command)) => command.run(),
     };
     match result {

@@ -6,6 +6,7 @@ pub mod film;
 pub mod gltf;
 pub mod harvest;
 pub mod picture;
+pub mod plot;
 pub mod reel;
 pub mod tables;
 

@@ -11,6 +11,7 @@ mod save;
 mod scenario;
 mod set;
 mod share;
+mod skeleton;
 mod source;
 mod species;
 
@@ -20,6 +21,7 @@ pub use save::{SaveError, is_save, read_save, write_save};
 pub use scenario::{FARTHEST_M, LARGEST_M, ResolvedScenario, ScenarioError};
 pub use set::parse_value;
 pub use share::{ShareError, SharedTree};
+pub use skeleton::{SkeletonFile, Stem, StemLeafAt, is_skeleton};
 
 use crate::species::parameter::nearest;
 use source::Source;

@@ -9,6 +9,7 @@ mod organ;
 pub mod pose;
 mod roster;
 mod shed;
+pub mod skeleton;
 mod snapshot;
 
 pub use check::SnapshotError;
@@ -91,6 +92,7 @@ impl Plugin for PlantPlugin {
         world.register_component::<Node>();
         world.register_component::<ApicalBud>();
         world.register_component::<crate::tropism::Steering>();
+        world.register_component::<crate::tropism::Signals>();
         world.register_component::<GrowthTarget>();
         world.register_component::<LateralBud>();
         world.register_component::<Leaf>();

@@ -5,6 +5,7 @@
 mod lam_king_1;
 mod lam_king_2;
 pub mod measure;
+mod streit;
 
 use core::fmt;
 use core::ops::RangeInclusive;
@@ -18,6 +19,8 @@ use crate::export::canvas;
 use crate::export::picture::{Bounds, Camera, Palette, PictureSettings, render};
 use crate::files::FileError;
 use crate::scenario::{EditError, Garden, GardenError};
+use crate::tropism::root::RootError;
+use crate::tropism::vary::VaryError;
 use crate::{environment::Scene, environment::trace::Tracer, plant::Snapshot};
 
 /// A figure that can be grown.
@@ -27,17 +30,60 @@ pub enum Figure {
     LamKing1,
     /// Figure 2 of Lam & King: a tree through its life, leaves before branches (`LK-18`).
     LamKing2,
+    /// Figure 3 of Streit: Barlow's root (`ST-2`, `ST-3`).
+    Streit3,
+    /// Figure 4 of Streit: the auxin root (`ST-4`).
+    Streit4,
+    /// Figure 7 of Streit: signals and their response (`ST-7`).
+    Streit7,
+    /// Figure 8 of Streit: target and disturbance functions (`ST-8`).
+    Streit8,
+    /// Figure 9 of Streit: a plant turned by 90 degrees (`ST-9`).
+    Streit9,
+    /// Figure 10 of Streit: under-, equal and overcompensation (`ST-9`).
+    Streit10,
+    /// Figure 11 of Streit: a lily (`ST-12`).
+    Streit11,
+    /// Figure 12 of Streit: Horneophyton (`ST-12`).
+    Streit12,
+    /// Figure 13 of Streit: branches outward, then upward (`ST-12`).
+    Streit13,
+    /// Figure 14 of Streit: palms on a beach (`ST-12`).
+    Streit14,
 }
 
 impl Figure {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::LamKing1, Self::LamKing2];
+    pub const ALL: [Self; 12] = [
+        Self::LamKing1,
+        Self::LamKing2,
+        Self::Streit3,
+        Self::Streit4,
+        Self::Streit7,
+        Self::Streit8,
+        Self::Streit9,
+        Self::Streit10,
+        Self::Streit11,
+        Self::Streit12,
+        Self::Streit13,
+        Self::Streit14,
+    ];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::LamKing1 => "lam-king-1",
             Self::LamKing2 => "lam-king-2",
+            Self::Streit3 => "streit-3",
+            Self::Streit4 => "streit-4",
+            Self::Streit7 => "streit-7",
+            Self::Streit8 => "streit-8",
+            Self::Streit9 => "streit-9",
+            Self::Streit10 => "streit-10",
+            Self::Streit11 => "streit-11",
+            Self::Streit12 => "streit-12",
+            Self::Streit13 => "streit-13",
+            Self::Streit14 => "streit-14",
         }
     }
 }
@@ -58,7 +104,7 @@ impl FromStr for Figure {
 
 /// There is no such figure.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no figure `{0}`; there are lam-king-1 and lam-king-2")]
+#[error("there is no figure `{0}`; there are {known}", known = Figure::ALL.map(Figure::name).join(", "))]
 pub struct UnknownFigure(pub String);
 
 /// What a paper says, and what was found.
@@ -85,6 +131,24 @@ pub struct Reproduction {
     pub claims: Vec<Claim>,
     /// The figure, grown from the first seed.
     pub picture: RgbImage,
+    /// Curves behind it: name of the file, and CSV.
+    pub tables: Vec<(String, String)>,
+    /// More pictures and plots: name of the file, and picture.
+    pub pictures: Vec<(String, RgbImage)>,
+}
+
+/// What came of growing a figure.
+struct Findings {
+    claims: Vec<Claim>,
+    picture: RgbImage,
+    tables: Vec<(String, String)>,
+    pictures: Vec<(String, RgbImage)>,
+}
+
+impl From<(Vec<Claim>, RgbImage)> for Findings {
+    fn from((claims, picture): (Vec<Claim>, RgbImage)) -> Self {
+        Self { claims, picture, tables: Vec::new(), pictures: Vec::new() }
+    }
 }
 
 /// Why a figure could not be grown.
@@ -102,6 +166,12 @@ pub enum ReproduceError {
     /// There are no threads.
     #[error(transparent)]
     Workers(#[from] WorkersError),
+    /// A base model could not be varied.
+    #[error(transparent)]
+    Vary(#[from] VaryError),
+    /// A root could not be grown.
+    #[error(transparent)]
+    Root(#[from] RootError),
     /// No seeds were given.
     #[error("a figure needs at least one seed")]
     NoSeeds,
@@ -121,11 +191,21 @@ pub fn reproduce(
     if seeds.is_empty() {
         return Err(ReproduceError::NoSeeds);
     }
-    let (claims, picture) = match figure {
-        Figure::LamKing1 => lam_king_1::grow(seeds.clone(), library, size, workers)?,
-        Figure::LamKing2 => lam_king_2::grow(seeds.clone(), library, size, workers)?,
+    let Findings { claims, picture, tables, pictures } = match figure {
+        Figure::LamKing1 => lam_king_1::grow(seeds.clone(), library, size, workers)?.into(),
+        Figure::LamKing2 => lam_king_2::grow(seeds.clone(), library, size, workers)?.into(),
+        Figure::Streit3 => streit::surface::barlow(),
+        Figure::Streit4 => streit::surface::auxin(size, workers)?,
+        Figure::Streit7 => streit::control::signals()?,
+        Figure::Streit8 => streit::control::functions()?,
+        Figure::Streit9 => streit::control::turned()?,
+        Figure::Streit10 => streit::control::compensation()?,
+        Figure::Streit11 => streit::plants::lily(seeds.clone(), library, size, workers)?,
+        Figure::Streit12 => streit::plants::horneophyton(seeds.clone(), library, size, workers)?,
+        Figure::Streit13 => streit::plants::upward(seeds.clone(), library, size, workers)?,
+        Figure::Streit14 => streit::plants::palms(seeds.clone(), library, size, workers)?,
     };
-    Ok(Reproduction { figure, seeds, claims, picture })
+    Ok(Reproduction { figure, seeds, claims, picture, tables, pictures })
 }
 
 /// A scenario grown to its end from one seed, with what `each` makes of every step.

@@ -8,6 +8,7 @@ pub mod parameter;
 use bevy::prelude::*;
 
 use crate::shape::outline::LeafOutline;
+use crate::tropism::Spread;
 use parameter::{ByOrder, Color, Range, parameters};
 
 /// How a plant shares its surplus among its buds.
@@ -114,7 +115,7 @@ parameters! {
         rescale_fitness: bool = true, "", Range::any();
         /// Distance beyond which free space no longer counts.
         space_range_m: f32 = 1.0, "m", Range::real(0.01, 1000.0);
-        /// Random crookedness of a new shoot, standard deviation.
+        /// Disturbance: random crookedness of a new shoot, standard deviation, not corrected before it is sensed.
         wander_deg: f32 = 0.0, "deg", Range::real(0.0, 90.0);
 
         // Energy
@@ -178,10 +179,34 @@ parameters! {
         twig_radius_m: f32 = 0.006, "m", Range::real(0.0001, 1.0);
 
         // Steering
-        /// Share of the sensed error corrected at each sub-step (Streit's kappa).
-        steering_gain: f32 = 1.0, "", Range::real(0.0, 10.0);
-        /// Sub-steps until a correction takes effect.
+        /// Sub-steps until a correction takes effect: 0 at once, 1 to 4 livens a stem, more swings in long waves.
         steering_lag: u32 = 0, "sub-steps", Range::whole(0, 30);
+        /// Compensation ratio, 1 / (gain x lag): high steers sluggishly and straight, below about 0.7 swings wider and wider; without lag it is 1 / gain, and 1 reaches the target at once.
+        compensation_ratio: f32 = 1.0, "", Range::real(0.01, 100.0);
+        /// Integral control, times the gain: takes away a steady lean; too much of it swings.
+        steering_integral: f32 = 0.0, "", Range::real(0.0, 1.0);
+        /// Derivative control, times the gain: damps swings; too much of it shivers.
+        steering_derivative: f32 = 0.0, "", Range::real(0.0, 10.0);
+        /// Error with which a tip senses its own heading, standard deviation: 0 true, 20 wavering, 90 lost.
+        sensing_error_deg: f32 = 0.0, "deg", Range::real(0.0, 90.0);
+        /// Distribution of the disturbance `wander_deg`; if uniform, that is its greatest angle.
+        wander_spread: Spread = Spread::Gaussian, "", Range::any();
+        /// Steady disturbance that circles about the stem as it grows (nutation), each sub-step: 0 none, 10 coils.
+        nutation_deg: f32 = 0.0, "deg", Range::real(0.0, 90.0);
+        /// Length grown while nutation circles once.
+        nutation_m: f32 = 1.0, "m", Range::real(0.001, 1000.0);
+        /// Phototropism by order: weight in the target of the heading that light and space chose; 0 is blind to them.
+        phototropism: ByOrder = ByOrder::all(1.0), "", Range::real(0.0, 100.0);
+        /// Gravitropism by order: weight of up in the target; below 0 of down, and shoots hang.
+        gravitropism: ByOrder = ByOrder::all(0.0), "", Range::real(-100.0, 100.0);
+        /// Orthotropism by order: weight of up that an axis reaches only with length; large turns its end upright.
+        orthotropism: ByOrder = ByOrder::all(0.0), "", Range::real(0.0, 100.0);
+        /// Length of an axis over which its orthotropism rises from nothing.
+        orthotropism_m: f32 = 1.0, "m", Range::real(0.001, 1000.0);
+        /// Plagiotropism by order: weight of the level in the target; large spreads shoots flat.
+        plagiotropism: ByOrder = ByOrder::all(0.0), "", Range::real(0.0, 100.0);
+        /// Autotropism by order: weight of the heading in which the axis left its parent stem; large keeps it straight.
+        autotropism: ByOrder = ByOrder::all(0.0), "", Range::real(0.0, 100.0);
 
         // Calendar
         /// Growth steps in a year.

@@ -1,30 +1,25 @@
-//! How shoots steer: the feedback controller (`ST-5`).
+//! How shoots steer: a shoot does not jump to its target. It senses it with error, answers late and overshoots.
+//!
+//! ```text
+//!  set point ──▶ sensor ──▶ transfer function ──▶ signals on their way ──▶ response ──▶ heading
+//!               (error)     (P, and I, D)         (lag)                    (+ disturbance) │
+//!                  ▲                                                                       │
+//!                  └───────────────────────────────────────────────────────────────────────┘
+//! ```
+//!
+//! That is the control system of L. Streit, P. Federl and M. C. Sousa, *Modelling Plant Variation Through Growth*
+//! (rows `ST-5` to `ST-13`). [`step`] is one sub-step of it. Growth calls it for every new stem segment with the
+//! target that light and space chose; [`vary`](vary::vary) grows a finished
+//! skeleton again through it.
 
-use bevy::prelude::*;
-use serde::{Deserialize, Serialize};
+mod controller;
+pub mod relel;
+pub mod root;
+mod set_point;
+mod signals;
+pub mod stability;
+pub mod vary;
 
-/// State of the controller that steers a growing bud: corrections on their way, oldest first.
-#[derive(Component, Debug, Clone, Copy, PartialEq, Default, Reflect, Serialize, Deserialize)]
-#[reflect(Component)]
-pub struct Steering {
-    /// Sub-steps steered so far.
-    pub substeps: u32,
-}
-
-/// How a species steers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Control {
-    /// Share of the sensed error corrected at each sub-step.
-    pub gain: f32,
-    /// Sub-steps until a correction takes effect.
-    pub lag: u32,
-}
-
-/// One sub-step: the heading after steering from `heading` towards `target` (unit vectors).
-///
-/// With gain 1 and lag 0, as now for every species, the heading reaches its target at once.
-pub fn step(_control: &Control, steering: &mut Steering, heading: Vec3, target: Vec3) -> Vec3 {
-    steering.substeps += 1;
-    let _ = heading;
-    target
-}
+pub use controller::{Control, ControlError, Influence, Spread, Steering, lean, step, turned_to, wavers};
+pub use set_point::Tropisms;
+pub use signals::{LONGEST_LAG, Signals};

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use bevy::math::{Quat, Vec3};
 use burgeon::environment::cube_map::{CubeFace, CubeMap};
-use burgeon::environment::direct_light::{ball_solid_angle, direct_light};
+use burgeon::environment::direct_light::{LightRays, ball_solid_angle, direct_light};
 use burgeon::environment::probe::{Probe, Sensing, SensingMode, TexelWeight};
 use burgeon::environment::sense::{Search, SenseRequest, fitness_given_away, sense};
 use burgeon::environment::trace::{Seen, Tracer};

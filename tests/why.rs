@@ -10,7 +10,7 @@ use burgeon::files::ResolvedScenario;
 use burgeon::growth::explain::{Outcome, fate, rows};
 use burgeon::plant::{Cause, OrganState};
 use burgeon::scenario::{Edit, PlacedLamp, Planting, Timeline};
-use common::quick;
+use common::{quick, steered_directly};
 
 fn timeline(resolved: ResolvedScenario, seed: u64, steps: u32) -> Timeline {
     let workers = Workers::new(2).unwrap();
@@ -53,11 +53,7 @@ fn compare(timeline: &Timeline, step: u32, most: usize) -> (usize, usize, usize)
 
 #[test]
 fn what_is_told_is_what_the_bud_did() {
-    let mut open = quick("open");
-    for species in open.species.values_mut() {
-        species.wander_deg = 0.0;
-    }
-    let timeline = timeline(open, 3, 7);
+    let timeline = timeline(steered_directly(quick("open")), 3, 7);
     let (mut all, mut seconds) = (0, 0);
     for step in 1..7 {
         let (compared, told, second) = compare(&timeline, step, 200);
@@ -70,11 +66,7 @@ fn what_is_told_is_what_the_bud_did() {
 
 #[test]
 fn it_holds_beside_walls_and_lamps_and_when_a_seed_opens() {
-    let mut resolved = quick("lamp");
-    for species in resolved.species.values_mut() {
-        species.wander_deg = 0.0;
-    }
-    let mut timeline = timeline(resolved, 5, 4);
+    let mut timeline = timeline(steered_directly(quick("lamp")), 5, 4);
     let lamp = PlacedLamp { name: "late".into(), at: Vec3::new(-2.0, 1.0, 0.5), ..PlacedLamp::default() };
     timeline.edit(3, Edit::PlaceLamp(lamp)).unwrap();
     let planting = Planting { at: Vec3::new(0.8, 0.0, 0.2), ..timeline.begun().scenario.plants[0].clone() };

@@ -35,7 +35,7 @@ pub struct Common {
 
     /// Seed of every random draw [default: 1, or the run's].
     #[arg(long)]
-    seed: Option<u64>,
+    pub seed: Option<u64>,
 
     /// Threads; 0 takes one for each core. The tree does not depend on it.
     #[arg(long, default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=limits::THREADS as i64))]

@@ -11,13 +11,13 @@ use clap::Args;
 
 use super::Failure;
 use super::input::library;
-use super::output::{Output, say};
+use super::output::{self, Output, say};
 use super::seeds::SeedRange;
 
 /// Grow a figure of a paper and measure what the paper says of it.
 #[derive(Args, Debug)]
 pub struct Reproduce {
-    /// The figure: lam-king-1 or lam-king-2.
+    /// The figure: lam-king-1 or 2, or streit-3, 4, 7, 8, 9, 10, 11, 12, 13 or 14.
     figure: Figure,
 
     /// Seeds to grow it from.
@@ -48,8 +48,16 @@ impl Reproduce {
         let size = PictureSettings { width: 260, height: 346, samples: 4 };
         let library = library(&self.assets)?;
         let done = reproduce(self.figure, self.seeds.range(), &library, size, &workers)?;
+        let more = done.tables.iter().map(|t| &t.0).chain(done.pictures.iter().map(|p| &p.0));
+        output::free(more.map(|name| folder.path().join(name)), self.output.force)?;
         folder.create()?;
         save_png(&folder.file("figure.png"), &done.picture)?;
+        for (name, picture) in &done.pictures {
+            save_png(&folder.file(name), picture)?;
+        }
+        for (name, table) in &done.tables {
+            folder.text(name, table)?;
+        }
         let json = serde_json::to_string_pretty(&done.claims).unwrap_or_default();
         folder.text("claims.json", &json)?;
         if self.json {

@@ -14,7 +14,7 @@ use crate::plant::{
     Identity, Internode, Lineage, NO_PARENT, Node, OrganKind, Plant, Pose, Roster,
 };
 use crate::species::{Allocation, Species};
-use crate::tropism::{self, Control, Steering};
+use crate::tropism::{self, Control, Influence, Signals, Steering, Tropisms};
 
 /// What a bud knows as it begins to extend.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,6 +27,8 @@ pub struct Tip {
     pub bud: ApicalBud,
     /// Its controller.
     pub steering: Steering,
+    /// Corrections on their way.
+    pub signals: Signals,
 }
 
 /// How far a bud grows, and how.
@@ -76,20 +78,26 @@ pub fn plan(species: &Species, energy: f32) -> Plan {
 
 /// Grows a shoot from its tip towards a target heading; returns the new segments and leaves the tip at the end.
 ///
-/// Growth that meets a solid or the ground slides along it or stops.
+/// Growth that meets a solid or the ground slides along it or stops. `influence` is asked once a sub-step, with the
+/// length of the axis so far in metres.
 pub fn extend(
     tip: &mut Tip,
     plan: Plan,
     target: Vec3,
+    order: u32,
     species: &Species,
     solids: &[StandingSolid],
     ground: Option<f32>,
-    mut wander: impl FnMut() -> [f32; 2],
+    mut influence: impl FnMut(f32) -> Influence,
 ) -> Vec<Segment> {
     const LEAST: f32 = 1e-4;
     // A shoot that all but reaches its next node forms it: a hair less energy must not cost a whole node.
     const NEARLY: f32 = 0.95;
-    let control = Control { gain: species.steering_gain, lag: species.steering_lag };
+    let control = Control::of(species);
+    let tropisms = Tropisms::of(species, order);
+    if !tropisms.only_light() && tip.signals.outset == Vec3::ZERO {
+        tip.signals.outset = tip.rotation * Vec3::Y;
+    }
     let mut left = plan.length;
     let mut segments = Vec::new();
     let mut nodes = 0;
@@ -97,15 +105,16 @@ pub fn extend(
         let to_node = species.node_spacing_m - tip.bud.height_since_node;
         // The last sub-segment is cut to fit (`ST-10`).
         let wanted = species.internode_m.min(to_node).min(left).max(LEAST);
-        let heading = tip.rotation * Vec3::Y;
-        let steered = tropism::step(&control, &mut tip.steering, heading, target);
-        let [tilt, around] = wander();
-        let steered = deflect(steered, tilt, around);
+        let along = tip.bud.height_in_branch;
+        let goal = tropisms.set_point(target, tip.signals.outset, Vec3::Y, along);
+        let acting = influence(along);
+        let (steering, signals) = (&mut tip.steering, &mut tip.signals);
+        let steered = tropism::step(&control, steering, signals, tip.rotation, goal, acting);
         let step = advance(solids, ground, tip.position, steered, wanted, species.twig_radius_m);
         if step.length < LEAST {
             break;
         }
-        tip.rotation = (Quat::from_rotation_arc(heading, step.direction) * tip.rotation).normalize();
+        tip.rotation = tropism::turned_to(tip.rotation, step.direction);
         tip.bud.height_since_node += step.length;
         tip.bud.height_in_branch += step.length;
         left -= step.length;
@@ -142,17 +151,6 @@ pub fn extend(
     segments
 }
 
-/// Turns a heading by `tilt` radians towards the side at `around` radians.
-fn deflect(heading: Vec3, tilt: f32, around: f32) -> Vec3 {
-    if tilt == 0.0 {
-        return heading;
-    }
-    let (u, v) = heading.any_orthonormal_pair();
-    let (s, c) = ops::sin_cos(around);
-    let (ts, tc) = ops::sin_cos(tilt);
-    (heading * tc + (u * c + v * s) * ts).normalize()
-}
-
 /// Extends every apical bud that has energy and a target; the bud is born anew beyond its new internodes.
 #[allow(clippy::type_complexity, clippy::too_many_arguments, reason = "a system names what it reads")]
 pub fn extend_shoots(
@@ -172,7 +170,7 @@ pub fn extend_shoots(
         &mut Attachment,
         &mut GrowthSpan,
         &GrowthTarget,
-        &mut Steering,
+        (&mut Steering, &mut Signals),
         &mut Allotment,
         &mut ApicalBud,
     )>,
@@ -192,7 +190,7 @@ pub fn extend_shoots(
             mut attachment,
             mut span,
             target,
-            mut steering,
+            (mut steering, mut signals),
             mut allotment,
             mut bud,
         )) = buds.get_mut(entity)
@@ -207,16 +205,19 @@ pub fn extend_shoots(
         }
         let energy = if mechanisms.energy { allotment.0 } else { full_energy(species, order.0) };
         let parent = roster.parent[i];
-        let mut tip =
-            Tip { position: pose.position, rotation: pose.rotation, bud: *bud, steering: *steering };
-        let mut rng = chance::stream(plant.seed, identity.lineage, step.0, Purpose::Wander);
-        let crooked = species.wander_deg.to_radians();
+        let mut tip = Tip {
+            position: pose.position,
+            rotation: pose.rotation,
+            bud: *bud,
+            steering: *steering,
+            signals: *signals,
+        };
+        let stream = |purpose| chance::stream(plant.seed, identity.lineage, step.0, purpose);
+        let (mut wander, mut sensing) = (stream(Purpose::Wander), stream(Purpose::Steering));
         let heading = if target.heading == Vec3::ZERO { pose.heading() } else { target.heading };
-        let segments = extend(&mut tip, plan(species, energy), heading, species, &solids, ground.0, || {
-            if crooked == 0.0 {
-                return [0.0; 2];
-            }
-            [chance::normal(&mut rng).abs() * crooked, chance::unit(&mut rng) * core::f32::consts::TAU]
+        let plan = plan(species, energy);
+        let segments = extend(&mut tip, plan, heading, order.0, species, &solids, ground.0, |along| {
+            Influence::of(species, along, &mut sensing, &mut wander)
         });
         if segments.is_empty() {
             bud.starved += 1;
@@ -279,6 +280,9 @@ pub fn extend_shoots(
         *pose = Pose { position: tip.position, rotation: tip.rotation };
         attachment.0 = Quat::IDENTITY;
         *steering = tip.steering;
+        if *signals != tip.signals {
+            *signals = tip.signals;
+        }
         *bud = ApicalBud { starved: 0, ..tip.bud };
     }
     moved.resize(roster.len(), false);

@@ -119,6 +119,25 @@ impl Snapshot {
             self.check_family(i)?;
             self.check_numbers(i)?;
         }
+        self.check_signals()
+    }
+
+    fn check_signals(&self) -> Result<(), SnapshotError> {
+        let mut last = None;
+        for (organ, signals) in &self.signals {
+            let organ = *organ as usize;
+            let wrong = |value: &str| SnapshotError::Organ { organ, field: "signals", value: value.into() };
+            if last.is_some_and(|last| organ <= last) {
+                return Err(wrong("listed out of order"));
+            }
+            last = Some(organ);
+            if !matches!(self.state.get(organ), Some(OrganState::ApicalBud(..))) {
+                return Err(wrong("of no apical bud"));
+            }
+            if !signals.is_finite() {
+                return Err(wrong("not finite"));
+            }
+        }
         Ok(())
     }
 

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::growth::StepCount;
 use crate::species::Species;
-use crate::tropism::Steering;
+use crate::tropism::{Signals, Steering};
 
 /// What an organ is and the state only its kind has.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -91,6 +91,8 @@ pub struct Snapshot {
     pub flow: Vec<EnergyFlow>,
     /// What only its kind has.
     pub state: Vec<OrganState>,
+    /// Signals on their way in apical buds, by index of the organ, rising; buds without any are left out.
+    pub signals: Vec<(u32, Signals)>,
 }
 
 /// What an organ may have; [`PlantPlugin`](super::PlantPlugin) makes all of it known to a world.
@@ -107,7 +109,7 @@ type OrganParts = (
         Option<&'static Internode>,
         Option<&'static Node>,
         Option<&'static ApicalBud>,
-        Option<&'static Steering>,
+        Option<(&'static Steering, &'static Signals)>,
         Option<&'static GrowthTarget>,
         Option<&'static LateralBud>,
         Option<&'static Leaf>,
@@ -141,7 +143,10 @@ impl Snapshot {
             + size_of::<Exposure>()
             + size_of::<EnergyFlow>()
             + size_of::<OrganState>();
-        size_of::<Self>() + self.plants.len() * size_of::<Option<PlantRecord>>() + self.len() * organ
+        size_of::<Self>()
+            + self.plants.len() * size_of::<Option<PlantRecord>>()
+            + self.len() * organ
+            + self.signals.len() * size_of::<(u32, Signals)>()
     }
 
     /// Index of the organ with a birth number.
@@ -169,6 +174,7 @@ impl Snapshot {
             allotment: Vec::with_capacity(n),
             flow: Vec::with_capacity(n),
             state: Vec::with_capacity(n),
+            signals: Vec::new(),
         };
         let mut parts = world.try_query::<OrganParts>();
         let parts = parts.as_mut().map(|parts| parts.query(world));
@@ -187,7 +193,13 @@ impl Snapshot {
             shot.allotment.push(read(allotment).0);
             shot.state.push(match roster.kind[i] {
                 OrganKind::Internode => OrganState::Internode(read(wood), node.copied()),
-                OrganKind::ApicalBud => OrganState::ApicalBud(read(apical), read(steering), read(target)),
+                OrganKind::ApicalBud => {
+                    let (steering, signals) = steering.map_or_else(Default::default, |(a, b)| (*a, *b));
+                    if !signals.is_default() {
+                        shot.signals.push((i as u32, signals));
+                    }
+                    OrganState::ApicalBud(read(apical), steering, read(target))
+                }
                 OrganKind::LateralBud => OrganState::LateralBud(read(lateral), read(target)),
                 OrganKind::Leaf => OrganState::Leaf(read(leaf)),
             });
@@ -267,7 +279,9 @@ pub fn restore(world: &mut World, shot: &Snapshot) {
                 .id()
         }));
     }
+    let mut signals = shot.signals.iter().copied().peekable();
     for i in 0..shot.len() {
+        let here = signals.next_if(|(organ, _)| *organ as usize == i);
         let Some(plant) = roster.plants[shot.plant[i] as usize] else { continue };
         let parent = match shot.parent[i] {
             NO_PARENT => plant,
@@ -290,7 +304,9 @@ pub fn restore(world: &mut World, shot: &Snapshot) {
                 }
             }
             OrganState::ApicalBud(bud, steering, target) => {
-                organ.insert((bud, steering, target, shot.exposure[i], Allotment(shot.allotment[i])));
+                let signals = here.map_or_else(Signals::default, |(_, signals)| signals);
+                let state = (bud, steering, signals, target, shot.exposure[i], Allotment(shot.allotment[i]));
+                organ.insert(state);
             }
             OrganState::LateralBud(bud, target) => {
                 organ.insert((bud, target, shot.exposure[i], Allotment(shot.allotment[i])));

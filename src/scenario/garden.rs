@@ -125,6 +125,11 @@ impl GardenSave {
     pub fn steps(&self) -> u32 {
         self.snapshot.step
     }
+
+    /// Its plants.
+    pub fn snapshot(&self) -> &Snapshot {
+        &self.snapshot
+    }
 }
 
 impl Garden {

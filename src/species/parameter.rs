@@ -6,6 +6,7 @@ use smallvec::SmallVec;
 
 use super::{Allocation, LightReading};
 use crate::shape::outline::LeafOutline;
+use crate::tropism::Spread;
 
 /// What values a parameter may take.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -314,6 +315,7 @@ macro_rules! choice {
 
 choice!(Allocation: ByExposure, ByVigour);
 choice!(LightReading: Share, Radiance);
+choice!(Spread: Gaussian, Uniform);
 choice!(LeafOutline: Elliptic, Ovate, Lobed, Lanceolate, Needle);
 
 /// Writes a struct, its defaults and its table from one list of rows.

@@ -26,6 +26,17 @@ pub fn quick(name: &str) -> ResolvedScenario {
     resolved
 }
 
+/// The same with shoots that go just where they chose to, at once.
+pub fn steered_directly(mut resolved: ResolvedScenario) -> ResolvedScenario {
+    for species in resolved.species.values_mut() {
+        species.steering_lag = 0;
+        species.compensation_ratio = 1.0;
+        species.sensing_error_deg = 0.0;
+        species.wander_deg = 0.0;
+    }
+    resolved
+}
+
 /// A scenario set out, on the calling thread alone.
 pub fn garden(resolved: ResolvedScenario, seed: u64) -> Garden {
     Garden::new(resolved, seed, Workers::new(1).unwrap()).unwrap()

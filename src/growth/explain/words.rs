@@ -8,6 +8,7 @@ use crate::environment::sense::{Choice, Search, Terms};
 use crate::environment::trace::Seen;
 use crate::growth::shoots::plan;
 use crate::plant::{Cause, LateralBudState, OrganKind, OrganState, Tombstone};
+use crate::tropism;
 
 /// A number of steps in words.
 fn steps(n: u32) -> String {
@@ -173,7 +174,7 @@ impl Explanation {
                 let kept = match off {
                     off if target == Vec3::ZERO || !off.is_finite() => String::new(),
                     off if off < 0.5 => ", just the way it had chosen".into(),
-                    off if self.species.wander_deg > 0.0 => {
+                    off if tropism::wavers(&self.species) => {
                         format!(", {off:.0}° off the way it had chosen: no shoot is quite straight")
                     }
                     off => format!(", {off:.0}° off the way it had chosen: something stood in it"),

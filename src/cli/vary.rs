@@ -1,0 +1,197 @@
+//! `burgeon vary`: siblings of a finished plant.
+
+use std::path::Path;
+
+use burgeon::environment::trace::Tracer;
+use burgeon::environment::workers::Workers;
+use burgeon::environment::{Scene, SunLight};
+use burgeon::export::canvas::{caption, grid};
+use burgeon::export::film::save_png;
+use burgeon::export::picture::{Bounds, Camera, Palette, PictureSettings, render};
+use burgeon::files::{RunFile, SkeletonFile, StepHashes, is_save, is_skeleton, read_text};
+use burgeon::plant::Snapshot;
+use burgeon::plant::skeleton::Skeleton;
+use burgeon::scenario::{Garden, SavedRun};
+use burgeon::species::Species;
+use burgeon::tropism::vary::{Variation, VaryError, siblings};
+use burgeon::tropism::{Control, LONGEST_LAG};
+use clap::Args;
+use image::RgbImage;
+
+use super::Failure;
+use super::grow::Growing;
+use super::input::{Common, Input, library};
+use super::output::{Output, progress, say};
+
+/// Most siblings on one sheet.
+const SHEET: usize = 24;
+/// Most siblings of one run.
+const MOST: i64 = 100_000;
+
+/// Grow siblings of a finished plant: as many nodes, as long, none like another.
+#[derive(Args, Debug)]
+pub struct Vary {
+    /// A scenario by name, a scenario file, a run.ron, a save or a skeleton file.
+    plant: String,
+
+    #[command(flatten)]
+    common: Common,
+
+    #[command(flatten)]
+    output: Output,
+
+    /// Siblings.
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=MOST))]
+    count: u32,
+
+    /// Which plant of a garden, in the order of planting, from 0.
+    #[arg(long, default_value_t = 0)]
+    index: u32,
+
+    /// Sub-steps until a correction takes effect.
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(0..=i64::from(LONGEST_LAG)))]
+    lag: u32,
+
+    /// Compensation ratio: about 0.7 is the edge of stability, 0.5 to 1.2 is useful.
+    #[arg(long, default_value_t = 0.8)]
+    ratio: f32,
+
+    /// Error with which a tip senses its heading, standard deviation, degrees.
+    #[arg(long, default_value_t = 5.0, value_name = "DEG")]
+    sensing_error: f32,
+
+    /// Random disturbance of each sub-step, standard deviation, degrees.
+    #[arg(long, default_value_t = 2.5, value_name = "DEG")]
+    disturbance: f32,
+
+    /// How far the target turns with the parent stem: 0 keeps to gravity, 1 to the parent.
+    #[arg(long, default_value_t = 0.0, value_name = "SHARE")]
+    parent_share: f32,
+
+    /// Length of a sub-step [default: a sixtieth of the longest axis].
+    #[arg(long, value_name = "METRES")]
+    sub_step: Option<f32>,
+
+    /// Write no picture of each sibling, only the sheet and the table.
+    #[arg(long)]
+    sheet_only: bool,
+}
+
+impl Vary {
+    /// Runs the command.
+    pub fn run(&self) -> Result<(), Failure> {
+        let variation = Variation {
+            control: Control::of_ratio(self.ratio, self.lag)?,
+            sensing_error: self.sensing_error.to_radians(),
+            disturbance: self.disturbance.to_radians(),
+            relative_to_parent: self.parent_share,
+            sub_step: self.sub_step,
+            ..Variation::default()
+        };
+        variation.check()?;
+        let name = Path::new(&self.plant).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let mut files = vec!["siblings.png".to_string(), "siblings.csv".into()];
+        let single = |n: usize| if n == 0 { "base.png".into() } else { format!("sibling_{n:03}.png") };
+        let pictures = if self.sheet_only { 0 } else { self.count as usize + 1 };
+        files.extend((0..pictures).map(single));
+        let names: Vec<&str> = files.iter().map(String::as_str).collect();
+        let mut folder = self.output.folder(&format!("{name}-siblings"), &names)?;
+
+        let workers = self.common.workers()?;
+        let (base, species) = self.base()?;
+        let seed = self.common.seed.unwrap_or(1);
+        let grown = siblings(&base, &variation, seed, self.count as usize, &workers)?;
+
+        folder.create()?;
+        let all: Vec<&Skeleton> = core::iter::once(&base).chain(&grown).collect();
+        folder.text("siblings.csv", &table(&all))?;
+        let shown = if self.sheet_only { all.len().min(SHEET + 1) } else { all.len() };
+        let images = draw(&all[..shown], &species, &workers);
+        for (n, image) in images.iter().enumerate().take(pictures) {
+            save_png(&folder.file(&single(n)), image)?;
+        }
+        let mut sheet = images[..images.len().min(SHEET + 1)].to_vec();
+        for (n, image) in sheet.iter_mut().enumerate() {
+            caption(image, &if n == 0 { "base".into() } else { format!("{n}") }, 1);
+        }
+        save_png(&folder.file("siblings.png"), &grid(&sheet, 5, 3))?;
+
+        let heights = grown.iter().map(Skeleton::height);
+        let [low, high] = [heights.clone().fold(f32::MAX, f32::min), heights.fold(0.0, f32::max)];
+        say(format_args!(
+            "{} siblings of {name}: {} nodes and {:.2} m of stem each, {low:.2} to {high:.2} m high; base {:.2} m",
+            grown.len(),
+            base.nodes(),
+            base.total_length(),
+            base.height(),
+        ));
+        say(format_args!("{}: {} files", folder.path().display(), folder.written.len()));
+        Ok(())
+    }
+
+    /// The plant to vary, and the species whose leaves and colours it has.
+    fn base(&self) -> Result<(Skeleton, Species), Failure> {
+        let path = Path::new(&self.plant);
+        if path.is_file() && is_save(path) {
+            return self.of(SavedRun::read(path)?.garden.snapshot());
+        }
+        if path.extension().is_some_and(|e| e == "ron") && path.is_file() {
+            let text = read_text(path)?;
+            if is_skeleton(&text) {
+                let (file, skeleton) = SkeletonFile::from_ron(&text, &self.plant)?;
+                return Ok((skeleton, library(&self.common.assets)?.species(&file.species)?));
+            }
+        }
+        let plan = Input::of(&self.plant, &self.common).plan()?;
+        let run = RunFile::new(&plan.resolved, plan.seed, 0, StepHashes::default());
+        let mut garden = Garden::new(plan.resolved, plan.seed, self.common.workers()?)?;
+        garden.set_limits(self.common.limits());
+        let mut growing = Growing { garden, run, stopped: None, seconds: 0.0 };
+        growing.grow(plan.steps, |_, _| ());
+        match growing.stopped {
+            Some(stopped) => Err(stopped.into()),
+            None => self.of(&growing.garden.snapshot()),
+        }
+    }
+
+    fn of(&self, snapshot: &Snapshot) -> Result<(Skeleton, Species), Failure> {
+        let skeleton = Skeleton::of(snapshot, self.index).map_err(VaryError::from)?;
+        let record = snapshot.plants.get(self.index as usize).and_then(Option::as_ref);
+        Ok((skeleton, record.map(|record| (*record.species).clone()).unwrap_or_default()))
+    }
+}
+
+/// Size of every sibling, the base model first.
+fn table(all: &[&Skeleton]) -> String {
+    let mut text = String::from("sibling,nodes,length_m,height_m\n");
+    for (n, skeleton) in all.iter().enumerate() {
+        let (nodes, length, height) = (skeleton.nodes(), skeleton.total_length(), skeleton.height());
+        text.push_str(&format!("{n},{nodes},{length:.4},{height:.4}\n"));
+    }
+    text
+}
+
+/// A picture of each, all from one stand.
+fn draw(all: &[&Skeleton], species: &Species, workers: &Workers) -> Vec<RgbImage> {
+    let size = PictureSettings { width: 260, height: 320, samples: 3 };
+    let scene = |skeleton: &Skeleton| {
+        let sun =
+            Some(SunLight { direction: bevy::math::Vec3::new(0.4, 0.7, 0.6).normalize(), strength: 0.6 });
+        let mut scene = Scene { ground: Some(0.0), sun, ..Scene::default() };
+        skeleton.add_to(&mut scene, species, 0);
+        scene
+    };
+    let bounds = all.iter().fold(Bounds::default(), |all, one| all.union(&Bounds::of(&scene(one))));
+    let camera = Camera::framing(&bounds, 25.0, 5.0, size.aspect());
+    let palette = Palette::of([species]);
+    let bar = progress(all.len() as u64, "picture");
+    let images = all
+        .iter()
+        .map(|skeleton| {
+            bar.inc(1);
+            render(&Tracer::build(&scene(skeleton)), &camera, &palette, size, workers)
+        })
+        .collect();
+    bar.finish_and_clear();
+    images
+}
