@@ -42,6 +42,10 @@ fn compare(timeline: &Timeline, step: u32, most: usize) -> (usize, usize, usize)
         let choice = sight.look.sensed.ranked[rank];
         assert_eq!(sight.look.terms[choice.index as usize].fitness(), choice.fitness);
         if let Outcome::Grew { heading, length, .. } = why.outcome {
+            if shot.pose[i].position.y + length * choice.heading.y < 0.0 {
+                // It chose to grow into the ground, and slid along it.
+                continue;
+            }
             compared += 1;
             told += usize::from(heading.distance(choice.heading) < 1e-3);
             second += usize::from(rank > 0);
