@@ -25,17 +25,16 @@ fn world(threads: usize) -> World {
     std::mem::take(app.world_mut())
 }
 
-/// An oak just before it carries a thousand leaves.
+/// An oak as soon as it carries a thousand leaves.
 fn oak() -> Snapshot {
     let mut world = world(0);
     let oak = Species::named("oak").unwrap_or_default();
     world.spawn((Plant::new(oak, 1), Transform::default()));
     loop {
-        let before = Snapshot::take(&world);
         grow(&mut world, 1);
-        let after = Snapshot::take(&world);
-        if Form::of(&after, None).leaves >= 1_000 || after.step > 40 {
-            return before;
+        let tree = Snapshot::take(&world);
+        if Form::of(&tree, None).leaves >= 1_000 || tree.step > 40 {
+            return tree;
         }
     }
 }
