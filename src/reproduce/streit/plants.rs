@@ -27,11 +27,15 @@ use crate::tropism::vary::{Variation, vary};
 struct Straying {
     /// Root mean square of the angle between heading and course, degrees.
     angle: f32,
-    /// How often it crosses its course, for every hundred sub-steps.
+    /// How often it swings from one side of its course to the other, by [`SWING`] and more, for every hundred
+    /// sub-steps.
     crossings: f32,
     /// Mean angle between the straight lines from base to end of its axes and those of the course, degrees.
     chord: f32,
 }
+
+/// Least lean to one side that counts as a swing, not as a tremor: the sine of two degrees.
+const SWING: f32 = 0.035;
 
 /// Compares piece by piece with the same plant grown without error, disturbance or lag.
 fn straying(sibling: &Skeleton, course: &Skeleton, orders: RangeInclusive<u32>) -> Straying {
@@ -51,11 +55,14 @@ fn straying(sibling: &Skeleton, course: &Skeleton, orders: RangeInclusive<u32>) 
         squares += angle * angle;
         pieces += 1.0;
         if goes_on {
-            crossings += 0.5 * (u8::from(lean.x * last.x < 0.0) + u8::from(lean.y * last.y < 0.0)) as f32;
+            let crossed = |now: f32, before: f32| u8::from(now.abs() >= SWING && now * before < 0.0);
+            crossings += 0.5 * f32::from(crossed(lean.x, last.x) + crossed(lean.y, last.y));
         } else {
             begins = i;
         }
-        last = lean;
+        // A side is left only when the other is reached.
+        let swung = |now: f32, before: f32| if goes_on && now.abs() < SWING { before } else { now };
+        last = Vec2::new(swung(lean.x, last.x), swung(lean.y, last.y));
         let ends = sibling
             .segments
             .get(i + 1)
@@ -321,7 +328,7 @@ pub fn upward(
     size: PictureSettings,
     workers: &Workers,
 ) -> Result<Findings, ReproduceError> {
-    let ratios = [0.58_f32, 0.72, 1.0];
+    let ratios = [0.7_f32, 0.85, 1.1];
     let first = models::outward(*seeds.start());
     let variation = |r: f32| {
         let plain = Variation::default();
