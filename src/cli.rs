@@ -89,7 +89,7 @@ enum Failure {
     #[error(transparent)]
     Vary(#[from] burgeon::tropism::vary::VaryError),
     #[error(transparent)]
-    Control(#[from] burgeon::tropism::ControlError),
+    Setting(#[from] burgeon::tropism::OutOfRange),
     #[error(transparent)]
     Timeline(#[from] burgeon::scenario::TimelineError),
     /// There is no organ of that number.

@@ -19,7 +19,7 @@ use crate::export::canvas;
 use crate::export::picture::{Bounds, Camera, Palette, PictureSettings, render};
 use crate::files::FileError;
 use crate::scenario::{EditError, Garden, GardenError};
-use crate::tropism::root::RootError;
+use crate::tropism::OutOfRange;
 use crate::tropism::vary::VaryError;
 use crate::{environment::Scene, environment::trace::Tracer, plant::Snapshot};
 
@@ -169,9 +169,9 @@ pub enum ReproduceError {
     /// A base model could not be varied.
     #[error(transparent)]
     Vary(#[from] VaryError),
-    /// A root could not be grown.
+    /// There is no such controller or root.
     #[error(transparent)]
-    Root(#[from] RootError),
+    Setting(#[from] OutOfRange),
     /// No seeds were given.
     #[error("a figure needs at least one seed")]
     NoSeeds,
@@ -203,7 +203,7 @@ pub fn reproduce(
         Figure::Streit11 => streit::plants::lily(seeds.clone(), library, size, workers)?,
         Figure::Streit12 => streit::plants::horneophyton(seeds.clone(), library, size, workers)?,
         Figure::Streit13 => streit::plants::upward(seeds.clone(), library, size, workers)?,
-        Figure::Streit14 => streit::plants::palms(seeds.clone(), library, size, workers)?,
+        Figure::Streit14 => streit::palms::palms(seeds.clone(), library, size, workers)?,
     };
     Ok(Reproduction { figure, seeds, claims, picture, tables, pictures })
 }

@@ -13,6 +13,7 @@
 //! skeleton again through it.
 
 mod controller;
+mod out_of_range;
 pub mod relel;
 pub mod root;
 mod set_point;
@@ -20,6 +21,7 @@ mod signals;
 pub mod stability;
 pub mod vary;
 
-pub use controller::{Control, ControlError, Influence, Spread, Steering, lean, step, turned_to, wavers};
+pub use controller::{Control, Influence, Spread, Steering, lean, step, turned_to, wavers};
+pub use out_of_range::OutOfRange;
 pub use set_point::Tropisms;
 pub use signals::{LONGEST_LAG, Signals};

@@ -77,7 +77,11 @@ impl Plot {
     pub fn draw(&self, width: u32, height: u32) -> RgbImage {
         let mut image = RgbImage::from_pixel(width.max(80), height.max(60), Rgb(PAPER));
         let (w, h) = (image.width() as f32, image.height() as f32);
-        let frame = Frame::new(self, [52.0, w - 14.0], [h - 36.0, 26.0]);
+        // The legend has a margin of its own, so that no line runs through it.
+        let named: Vec<&Line> = self.lines.iter().filter(|line| !line.name.is_empty()).collect();
+        let widest = named.iter().map(|line| text_size(&line.name, 1).0).max();
+        let legend = widest.map_or(0.0, |widest| (widest as f32 + 32.0).min(0.5 * w));
+        let frame = Frame::new(self, [52.0, w - 14.0 - legend], [h - 36.0, 26.0]);
         for step in frame.ticks(0) {
             let x = frame.at(Vec2::new(step, frame.low.y)).x;
             segment(&mut image, Vec2::new(x, frame.bottom), Vec2::new(x, frame.top), [226, 222, 212], 1.0);
@@ -103,11 +107,11 @@ impl Plot {
         plain(&mut image, frame.left as i64, 8, &self.title);
         let end = frame.right as i64 - i64::from(text_size(&self.x, 1).0);
         plain(&mut image, end, h as i64 - 14, &self.x);
-        plain(&mut image, 4, h as i64 - 14, &format!("up: {}", self.y));
-        let named: Vec<&Line> = self.lines.iter().filter(|line| !line.name.is_empty()).collect();
-        let widest = named.iter().map(|line| text_size(&line.name, 1).0).max().unwrap_or(0);
+        if !self.y.is_empty() {
+            plain(&mut image, 4, h as i64 - 14, &format!("up: {}", self.y));
+        }
         for (k, line) in named.iter().enumerate() {
-            let (x, y) = (frame.right - widest as f32 - 28.0, frame.top + 8.0 + 12.0 * k as f32);
+            let (x, y) = (frame.right + 10.0, frame.top + 8.0 + 12.0 * k as f32);
             segment(&mut image, Vec2::new(x, y), Vec2::new(x + 18.0, y), line.color, 2.4);
             plain(&mut image, x as i64 + 23, y as i64 - 4, &line.name);
         }
@@ -248,8 +252,8 @@ mod tests {
         let image = plot.draw(300, 200);
         assert!(inked(&image, COLORS[0]) > 60);
         let red = inked(&image, [200, 10, 10]) as f32;
-        // 300 x 200 leaves 234 x 138 for 2 x 1 units and a margin of six hundredths.
-        let unit = 234.0 / 2.12;
+        // 300 x 200 leaves 178 x 138 beside the legend for 2 x 1 units and a margin of six hundredths.
+        let unit = 178.0 / 2.12;
         assert!((red / (0.5 * unit * unit) - 1.0).abs() < 0.1, "{red}");
     }
 

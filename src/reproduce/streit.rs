@@ -2,6 +2,7 @@
 
 pub mod control;
 mod models;
+pub mod palms;
 pub mod plants;
 pub mod surface;
 

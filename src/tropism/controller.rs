@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use rand_pcg::Pcg64Mcg;
 use serde::{Deserialize, Serialize};
 
+use super::out_of_range::{OutOfRange, check};
 use super::signals::{LONGEST_LAG, Signals};
 use crate::chance;
 use crate::species::Species;
@@ -36,18 +37,6 @@ pub struct Control {
     pub lag: u32,
 }
 
-/// Why there is no such controller.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("{what} is {value}; allowed: {allowed}")]
-pub struct ControlError {
-    /// What is out of range.
-    pub what: &'static str,
-    /// Its value.
-    pub value: f32,
-    /// What it may be.
-    pub allowed: &'static str,
-}
-
 impl Control {
     /// The target is reached at once: that of `lam_king`.
     pub const DIRECT: Self = Self { gain: 1.0, integral: 0.0, derivative: 0.0, lag: 0 };
@@ -56,7 +45,7 @@ impl Control {
     ///
     /// # Errors
     /// A gain that is not within 0 to 100, or a lag above [`LONGEST_LAG`].
-    pub fn new(gain: f32, lag: u32) -> Result<Self, ControlError> {
+    pub fn new(gain: f32, lag: u32) -> Result<Self, OutOfRange> {
         Self { gain, lag, ..Self::DIRECT }.checked()
     }
 
@@ -65,14 +54,8 @@ impl Control {
     ///
     /// # Errors
     /// A ratio that is not within 0.01 to 100, or a lag above [`LONGEST_LAG`].
-    pub fn of_ratio(ratio: f32, lag: u32) -> Result<Self, ControlError> {
-        if !(0.01..=100.0).contains(&ratio) {
-            return Err(ControlError {
-                what: "the compensation ratio",
-                value: ratio,
-                allowed: "0.01 to 100",
-            });
-        }
+    pub fn of_ratio(ratio: f32, lag: u32) -> Result<Self, OutOfRange> {
+        check([("the compensation ratio", ratio, 0.01, 100.0, "0.01 to 100")])?;
         Self::new(1.0 / (ratio * lag.max(1) as f32), lag)
     }
 
@@ -96,17 +79,14 @@ impl Control {
     ///
     /// # Errors
     /// The first part out of range.
-    pub fn checked(self) -> Result<Self, ControlError> {
-        let parts = [
-            ("the gain", self.gain, 100.0, "0 to 100"),
-            ("integral control", self.integral, 1.0, "0 to 1"),
-            ("derivative control", self.derivative, 10.0, "0 to 10"),
-            ("the lag", self.lag as f32, LONGEST_LAG as f32, "0 to 30 sub-steps"),
-        ];
-        match parts.into_iter().find(|(_, value, most, _)| !(0.0..=*most).contains(value)) {
-            Some((what, value, _, allowed)) => Err(ControlError { what, value, allowed }),
-            None => Ok(self),
-        }
+    pub fn checked(self) -> Result<Self, OutOfRange> {
+        check([
+            ("the gain", self.gain, 0.0, 100.0, "0 to 100"),
+            ("integral control", self.integral, 0.0, 1.0, "0 to 1"),
+            ("derivative control", self.derivative, 0.0, 10.0, "0 to 10"),
+            ("the lag", self.lag as f32, 0.0, LONGEST_LAG as f32, "0 to 30 sub-steps"),
+        ])?;
+        Ok(self)
     }
 
     /// The correction that answers an error, both leans in radians.

@@ -8,6 +8,7 @@
 use bevy::math::{Vec2, ops};
 use bevy::prelude::*;
 
+use super::out_of_range::{OutOfRange, check};
 use crate::plant::Pose;
 
 /// What a root is like. Lengths are in millimetres, times in hours; angles in radians.
@@ -58,18 +59,6 @@ impl Default for RootSettings {
     }
 }
 
-/// Why there is no such root.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("{what} is {value}; allowed: {allowed}")]
-pub struct RootError {
-    /// What is out of range.
-    pub what: &'static str,
-    /// Its value.
-    pub value: f32,
-    /// What it may be.
-    pub allowed: &'static str,
-}
-
 /// A slice of the root, base to tip.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RootSegment {
@@ -104,9 +93,9 @@ impl AuxinRoot {
     ///
     /// # Errors
     /// The first setting out of range.
-    pub fn new(settings: RootSettings, base: Quat) -> Result<Self, RootError> {
+    pub fn new(settings: RootSettings, base: Quat) -> Result<Self, OutOfRange> {
         let RootSettings { columns, length, radius, taper, longest_segment, .. } = settings;
-        let parts = [
+        check([
             ("the number of columns", columns as f32, 2.0, 64.0, "2 to 64"),
             ("the length", length, 0.1, 1000.0, "0.1 to 1000 mm"),
             ("the radius", radius, 0.01, 100.0, "0.01 to 100 mm"),
@@ -125,12 +114,7 @@ impl AuxinRoot {
             ("the inhibition", settings.inhibition, 0.0, 1000.0, "0 to 1000"),
             ("the bias", settings.bias, 0.0, 1.0, "0 to 1"),
             ("the decay", settings.decay, 0.0, 100.0, "0 to 100 an hour"),
-        ];
-        if let Some((what, value, _, _, allowed)) =
-            parts.into_iter().find(|(_, value, least, most, _)| !(*least..=*most).contains(value))
-        {
-            return Err(RootError { what, value, allowed });
-        }
+        ])?;
         let slices = (length / longest_segment * 1.5).ceil().max(2.0) as usize;
         let segments = (0..slices)
             .map(|i| {

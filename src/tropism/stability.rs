@@ -7,7 +7,8 @@
 use bevy::math::ops;
 use core::f32::consts::PI;
 
-use super::controller::{Control, ControlError};
+use super::OutOfRange;
+use super::controller::Control;
 
 /// What becomes of an error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -60,10 +61,10 @@ pub fn critical_gain(lag: u32) -> f32 {
 ///
 /// # Errors
 /// A gain or lag out of range, or a gain of 0, with which nothing is ever corrected.
-pub fn stability(control: &Control) -> Result<Stability, ControlError> {
+pub fn stability(control: &Control) -> Result<Stability, OutOfRange> {
     let Control { gain, lag, .. } = control.checked()?;
     if gain <= 0.0 {
-        return Err(ControlError { what: "the gain", value: gain, allowed: "above 0" });
+        return Err(OutOfRange { what: "the gain", value: gain, allowed: "above 0" });
     }
     let critical = critical_gain(lag);
     let (factor, angle) = dominant_root(gain, lag);

@@ -7,7 +7,8 @@ use bevy::prelude::*;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
-use super::controller::{Control, ControlError, Influence, Spread, Steering, step, turned_to};
+use super::controller::{Control, Influence, Spread, Steering, step, turned_to};
+use super::out_of_range::{OutOfRange, check};
 use super::set_point::Tropisms;
 use super::signals::Signals;
 use crate::chance::mix;
@@ -60,19 +61,9 @@ pub enum VaryError {
     /// It is no skeleton.
     #[error(transparent)]
     Skeleton(#[from] SkeletonError),
-    /// There is no such controller.
+    /// A part of the variation is out of range.
     #[error(transparent)]
-    Control(#[from] ControlError),
-    /// Another part of the variation is out of range.
-    #[error("{what} is {value}; allowed: {allowed}")]
-    Setting {
-        /// What.
-        what: &'static str,
-        /// Its value.
-        value: f32,
-        /// What it may be.
-        allowed: &'static str,
-    },
+    Setting(#[from] OutOfRange),
     /// The sub-step is too short for a skeleton so long.
     #[error("{pieces} sub-steps; at most {MOST_PIECES} are taken: use longer ones")]
     TooFine {
@@ -86,20 +77,16 @@ impl Variation {
     ///
     /// # Errors
     /// The first part out of range.
-    pub fn check(&self) -> Result<(), VaryError> {
+    pub fn check(&self) -> Result<(), OutOfRange> {
         self.control.checked()?;
         let sub_step = self.sub_step.unwrap_or(1.0);
-        let parts = [
+        check([
             ("the sensing error", self.sensing_error, 0.0, 2.0, "0 to 2 rad"),
             ("the disturbance", self.disturbance, 0.0, 2.0, "0 to 2 rad"),
             ("the share relative to the parent", self.relative_to_parent, 0.0, 1.0, "0 to 1"),
             ("the sub-step", sub_step, 1e-5, 1e4, "0.00001 to 10000 m"),
             ("the reach of orthotropism", self.tropisms.reach, 1e-3, 1e4, "0.001 to 10000 m"),
-        ];
-        match parts.into_iter().find(|(_, value, least, most, _)| !(*least..=*most).contains(value)) {
-            Some((what, value, _, _, allowed)) => Err(VaryError::Setting { what, value, allowed }),
-            None => Ok(()),
-        }
+        ])
     }
 
     /// Length of a sub-step for a skeleton, metres.

@@ -5,6 +5,7 @@
 pub mod by_hand;
 pub mod check;
 pub mod measure;
+pub mod skeletons;
 
 use std::ops::Range;
 

@@ -7,14 +7,7 @@ use crate::export::canvas;
 use crate::export::plot::Plot;
 use crate::reproduce::{Claim, Findings, ReproduceError};
 use crate::tropism::stability::{Verdict, critical_gain, stability};
-use crate::tropism::vary::VaryError;
-use crate::tropism::{Control, ControlError, Influence, Signals, Steering, lean, step, turned_to};
-
-impl From<ControlError> for ReproduceError {
-    fn from(error: ControlError) -> Self {
-        VaryError::from(error).into()
-    }
-}
+use crate::tropism::{Control, Influence, Signals, Steering, lean, step, turned_to};
 
 /// A stalk grown sub-step by sub-step from the origin.
 struct Stalk {
@@ -162,7 +155,7 @@ pub fn turned() -> Result<Findings, ReproduceError> {
     const TURN: usize = N / 5;
     let lags = [30_u32, 20, 12, 8, 6, 5, 4];
     let mut shapes =
-        Plot::of_shapes("Turned by 90 degrees at 20 % of growth, ratio 0.72, lag falling", "", "");
+        Plot::of_shapes("Turned by 90 degrees at 20 % of growth, ratio 0.72, lag falling", "x", "y");
     let mut errors = Plot::new("Error after the turn", "sub-steps", "degrees");
     let (mut rows, mut seen) = (Vec::new(), Vec::new());
     for (n, lag) in lags.into_iter().enumerate() {
@@ -207,7 +200,7 @@ pub fn turned() -> Result<Findings, ReproduceError> {
 
 /// Figure 10: turned by 20 degrees at the start; two lags, each under-, equally and overcompensated.
 pub fn compensation() -> Result<Findings, ReproduceError> {
-    let mut shapes = Plot::of_shapes("Turned by 20 degrees at the start; lag 4, then lag 10", "", "");
+    let mut shapes = Plot::of_shapes("Turned by 20 degrees at the start; lag 4, then lag 10", "x", "y");
     let mut errors = Plot::new("Error", "sub-steps", "degrees");
     let (mut rows, mut claims) = (Vec::new(), Vec::new());
     let cases = [

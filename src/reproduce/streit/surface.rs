@@ -8,7 +8,7 @@ use crate::environment::trace::Tracer;
 use crate::environment::workers::Workers;
 use crate::environment::{Capsule, Scene, SunLight};
 use crate::export::canvas;
-use crate::export::picture::{Bounds, Camera, Palette, PictureSettings, render};
+use crate::export::picture::{Camera, Palette, PictureSettings, render};
 use crate::export::plot::{Plot, Shape};
 use crate::reproduce::{Claim, Findings, ReproduceError};
 use crate::tropism::relel::{BentRoot, Relel, bend};
@@ -201,7 +201,13 @@ fn photograph(root: &AuxinRoot, size: PictureSettings, workers: &Workers) -> Rgb
         let radius = segment.radius * scale;
         scene.capsules.push(Capsule { from, to, radius, organ: k as u32, plant: 0 });
     }
-    let camera = Camera::framing(&Bounds::of(&scene), 15.0, 8.0, size.aspect());
+    // A slanting root fills the corners that a crown leaves free: frame the ball about it.
+    let [low, high] = poses.iter().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], pose| {
+        [low.min(pose.position * scale), high.max(pose.position * scale)]
+    });
+    let (middle, reach) =
+        ((low + high) * 0.5, 0.5 * low.distance(high) + 2.0 * root.segments[0].radius * scale);
+    let camera = Camera::looking(middle + Vec3::new(0.25, 0.14, 0.96) * (reach * 5.0), middle);
     let mut image = render(&Tracer::build(&scene), &camera, &Palette::default(), size, workers);
     canvas::caption(&mut image, &format!("{:.1} mm", root.length()), 1);
     image

@@ -1,0 +1,135 @@
+//! Siblings of a finished plant.
+
+use super::*;
+use common::skeletons::five_hundred_internodes;
+
+#[test]
+fn siblings_keep_the_species_and_no_two_are_alike() {
+    let base = five_hundred_internodes();
+    assert_eq!(base.segments.len(), 500);
+    let workers = Workers::new(2).unwrap();
+    let all = siblings(&base, &Variation::default(), 7, 100, &workers).unwrap();
+    let mut heights = Vec::new();
+    for one in &all {
+        one.check().unwrap();
+        assert_eq!((one.nodes(), one.leaves.len()), (base.nodes(), base.leaves.len()));
+        assert!((one.total_length() / base.total_length() - 1.0).abs() < 1e-5);
+        heights.push(one.height() / base.height());
+    }
+    let [low, high] =
+        [heights.iter().copied().fold(9.0, f32::min), heights.iter().copied().fold(0.0, f32::max)];
+    println!("heights of 100 siblings: {low:.3} to {high:.3} of the base model's");
+    assert!(low > 0.85 && high < 1.05, "{low} {high}");
+    let ends: Vec<Vec<Vec3>> =
+        all.iter().map(|s| s.segments.iter().map(StemSegment::tip).collect()).collect();
+    for (k, one) in ends.iter().enumerate() {
+        for (l, other) in ends.iter().enumerate().skip(k + 1) {
+            let apart = one.iter().zip(other).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+            assert!(apart > 1e-3, "{k} and {l}: {apart}");
+        }
+    }
+    // The same siblings again, on any number of threads, and one by one.
+    assert_eq!(all, siblings(&base, &Variation::default(), 7, 100, &Workers::new(1).unwrap()).unwrap());
+}
+
+#[test]
+fn st_11_without_noise_a_sibling_is_its_base_model_and_corners_stay() {
+    let still = Variation { sensing_error: 0.0, disturbance: 0.0, ..Variation::default() };
+    let base = five_hundred_internodes();
+    let straight = Variation { control: Control::DIRECT, ..still };
+    for (variation, apart) in [(straight, 1e-4), (still, 0.25)] {
+        let same = vary(&base, &variation, 1).unwrap();
+        let ends: Vec<Vec3> = same.segments.iter().filter(|s| s.node).map(StemSegment::tip).collect();
+        let off = ends.iter().zip(&base.segments).map(|(a, b)| a.distance(b.tip())).fold(0.0, f32::max);
+        assert!(off < apart, "{off}");
+    }
+    // A corner of the base model is one of the sibling, by the same angle.
+    let mut elbow = Skeleton::default();
+    elbow.add_stem(None, &[Vec3::ZERO, Vec3::Y, Vec3::new(1.0, 1.0, 0.0)], [0.02, 0.01]);
+    let bent = vary(&elbow, &Variation { sub_step: Some(0.05), ..Variation::default() }, 3).unwrap();
+    let corner = bent.segments.iter().position(|s| s.node).unwrap();
+    let [before, after] = [corner, corner + 1].map(|k| bent.segments[k].pose.heading());
+    let angle = before.angle_between(after).to_degrees();
+    assert!((angle - 90.0).abs() < 20.0, "{angle}");
+}
+
+#[test]
+fn st_11_a_branch_begins_where_its_parent_ends_and_keeps_to_gravity_or_to_the_parent() {
+    let base = five_hundred_internodes();
+    let pushed = Variation { disturbance: 0.08, ..Variation::default() };
+    for share in [0.0, 1.0] {
+        let one = vary(&base, &Variation { relative_to_parent: share, ..pushed }, 5).unwrap();
+        for stem in one.segments.iter().filter(|s| s.parent != NO_PARENT) {
+            let apart = one.segments[stem.parent as usize].tip().distance(stem.pose.position);
+            assert!(apart < 1e-5, "{apart}");
+        }
+    }
+    // Branches that keep to gravity stray less from their own course than those that keep to a parent astray.
+    let astray = |share: f32| {
+        let variation = Variation { relative_to_parent: share, disturbance: 0.15, ..Variation::default() };
+        let mut off = 0.0;
+        for seed in 0..20 {
+            let one = vary(&base, &variation, seed).unwrap();
+            let ends: Vec<&StemSegment> = one.segments.iter().filter(|s| s.node).collect();
+            let strays = ends.iter().zip(&base.segments).skip(100);
+            off += strays.map(|(a, b)| a.pose.heading().angle_between(b.pose.heading())).sum::<f32>();
+        }
+        off
+    };
+    assert!(astray(1.0) > 1.05 * astray(0.0), "{} {}", astray(1.0), astray(0.0));
+}
+
+#[test]
+fn turning_a_skeleton_turns_its_siblings() {
+    let base = five_hundred_internodes();
+    let turn = Transform::from_rotation(Quat::from_euler(EulerRot::YXZ, 1.0, 2.5, -0.4));
+    let (here, there) = (base.moved(turn), vary(&base, &Variation::default(), 4).unwrap().moved(turn));
+    let here = vary(&here, &Variation::default(), 4).unwrap();
+    let off = here.segments.iter().zip(&there.segments).map(|(a, b)| a.tip().distance(b.tip()));
+    let off = off.fold(0.0, f32::max);
+    assert!(off < 1e-4 * base.height().max(1.0), "{off}");
+}
+
+#[test]
+fn what_cannot_be_varied_is_a_typed_error() {
+    let fine = Variation::default();
+    let told =
+        |skeleton: &Skeleton, variation: &Variation| vary(skeleton, variation, 1).unwrap_err().to_string();
+    assert_eq!(told(&Skeleton::default(), &fine), "the skeleton has no segments");
+    let mut flat = five_hundred_internodes();
+    flat.segments[3].length = 0.0;
+    assert!(told(&flat, &fine).contains("segment 3 is 0 m long"));
+    let mut wild = five_hundred_internodes();
+    wild.segments[3].length = f32::NAN;
+    assert!(vary(&wild, &fine, 1).is_err());
+    let mut looped = five_hundred_internodes();
+    looped.segments[3].parent = 3;
+    assert!(told(&looped, &fine).contains("does not come before"));
+    let mut lost = five_hundred_internodes();
+    lost.leaves[0].on = 5000;
+    assert!(told(&lost, &fine).contains("leaf 0"));
+    for bad in [
+        Variation { control: Control { gain: -1.0, ..fine.control }, ..fine },
+        Variation { control: Control { lag: 31, ..fine.control }, ..fine },
+        Variation { sensing_error: f32::NAN, ..fine },
+        Variation { disturbance: 9.0, ..fine },
+        Variation { relative_to_parent: 1.5, ..fine },
+        Variation { sub_step: Some(0.0), ..fine },
+        Variation { sub_step: Some(1e-5), ..fine },
+    ] {
+        assert!(vary(&five_hundred_internodes(), &bad, 1).is_err(), "{bad:?}");
+    }
+}
+
+#[test]
+fn a_grown_plant_is_varied_and_steering_is_saved() {
+    let mut garden = grown(quick("two_oaks"), 2, 4);
+    assert!(!garden.snapshot().signals.is_empty(), "oaks answer late");
+    let save = garden.save();
+    let again = burgeon::scenario::Garden::resume(save, Workers::new(1).unwrap()).unwrap();
+    assert_eq!(again.snapshot(), garden.snapshot());
+    let base = Skeleton::of(&garden.snapshot(), 1).unwrap();
+    let one = vary(&base, &Variation::default(), 1).unwrap();
+    assert_eq!((one.nodes(), one.leaves.len()), (base.segments.len(), base.leaves.len()));
+    assert!(Skeleton::of(&garden.snapshot(), 2).is_err());
+}
