@@ -191,7 +191,9 @@ impl Library {
         match FileKind::of(&text, path) {
             FileKind::Run => RunFile::from_ron(&text, argument).map(|run| Opened::Run(Box::new(run))),
             FileKind::Species | FileKind::Scenario => {
-                self.read(&text, argument, path.parent()).map(|s| Opened::Scenario(Box::new(s)))
+                let mut resolved = self.read(&text, argument, path.parent())?;
+                resolved.scenario.name_after(path);
+                Ok(Opened::Scenario(Box::new(resolved)))
             }
         }
     }
@@ -266,6 +268,15 @@ impl Species {
 }
 
 impl Scenario {
+    /// Names one without a name after its file.
+    pub fn name_after(&mut self, path: &Path) {
+        if self.name == Self::UNNAMED
+            && let Some(stem) = path.file_stem().and_then(|stem| stem.to_str())
+        {
+            self.name = stem.into();
+        }
+    }
+
     /// A shipped scenario, such as `wall`.
     ///
     /// # Errors

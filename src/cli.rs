@@ -101,7 +101,7 @@ enum Failure {
     #[error("{what}: {source}")]
     Io { what: String, source: std::io::Error },
     /// Files in the way.
-    #[error("{} already there; --force replaces, --out names another folder", .0.join(", "))]
+    #[error("{} already there; --force replaces, another name keeps", .0.join(", "))]
     InTheWay(Vec<String>),
     /// Options that do not go together.
     #[error("{0}")]

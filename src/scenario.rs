@@ -22,7 +22,9 @@ pub use autosave::Autosave;
 pub use edit::{Edit, EditError, EditOutcome, TimedEdit, apply, crush};
 pub use fixtures::{Fixture, FixtureError, Fixtures};
 pub use garden::{Garden, GardenError, GardenSave, GardenSaveError};
-pub use gardener::{Explained, Gardener, GardenerError, GardenerSettings, Gone, News, Order, Progress};
+pub use gardener::{
+    Ending, Explained, Gardener, GardenerError, GardenerSettings, Gone, News, Order, Progress,
+};
 pub use place::{RunSeed, SpeciesBook};
 pub use preview::{borne_by, crushed_by};
 pub use saved::{History, SavedRun};
@@ -157,11 +159,16 @@ pub struct Scenario {
     pub edits: Vec<TimedEdit>,
 }
 
+impl Scenario {
+    /// The name of one that has none; one from a file goes by the file's.
+    pub const UNNAMED: &'static str = "unnamed";
+}
+
 impl Default for Scenario {
     fn default() -> Self {
         Self {
             version: 1,
-            name: "open".into(),
+            name: Self::UNNAMED.into(),
             description: String::new(),
             steps: 20,
             plants: vec![Planting::default()],

@@ -76,6 +76,21 @@ fn a_limit_stops_with_a_message_and_keeps_the_result() {
     }
     ends(at, "grow open --limit leaves=3", 2);
     assert!(!at.join("out").exists());
+
+    // A run taken up again stands where it stood: over its limit it grows no further.
+    ends(at, "grow figure_1c --steps 4 --save half.burgeon --out half", 0);
+    let (_, err) = ends(at, "grow --resume half.burgeon --steps 9 --limit probes=10 --out rest", 3);
+    assert!(err.contains("stopped at step 4"), "{err}");
+}
+
+#[test]
+fn a_scenario_without_a_name_goes_by_its_file() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("mine.ron"), "()").unwrap();
+    let (said, _) = ends(folder.path(), "check mine.ron", 0);
+    assert_eq!(said.trim(), "mine.ron: scenario mine with lam_king");
+    let (said, _) = ends(folder.path(), "grow mine.ron --steps 1 --out o", 0);
+    assert!(said.starts_with("mine at step 1"), "{said}");
 }
 
 #[test]

@@ -15,11 +15,11 @@ use burgeon::plant::{
     LateralBud, LateralBudState, Leaf, LeafState, NO_PARENT, Node, OrganKind, OrganState, Plant, Pose,
     Snapshot,
 };
-use burgeon::reproduce::measure::growth;
+use burgeon::reproduce::measure::{collisions, growth, rank_correlation};
 use burgeon::species::{Allocation, LightReading, Species};
 use common::by_hand::Nursery;
 use common::check::inside;
-use common::measure::{collisions, count, crown_centroid, median, rank_correlation};
+use common::measure::{count, crown_centroid, median};
 use common::{garden, grown, over_seeds, quick, shipped};
 
 #[test]
@@ -147,8 +147,8 @@ fn lk_06_a_lateral_bud_leaves_its_stem_at_the_branching_angle_asleep() {
 fn lk_06_a_bud_that_is_a_liability_goes_with_its_branch() {
     let accounts = [stem(NO_PARENT, false), stem(0, true), bud(1), leaf(0, 1.0)];
     let sums = branches(&accounts);
-    assert_eq!(to_shed(&accounts, &sums, |_| true, 1.0, 10), [1], "the poor branch with its bud");
-    assert_eq!(to_shed(&accounts[..1], &sums[..1], |_| true, 1.0, 10), [0; 0], "the trunk is no liability");
+    assert_eq!(to_shed(&accounts, &sums, &[0, 1, 2, 3], 1.0, 10), [1], "the poor branch with its bud");
+    assert_eq!(to_shed(&accounts[..1], &sums[..1], &[0], 1.0, 10), [0; 0], "the trunk is no liability");
 }
 
 #[test]
@@ -238,7 +238,8 @@ fn stem(parent: u32, begins_axis: bool) -> Account {
 }
 
 fn liabilities(accounts: &[Account], deficit: f64, most: u32) -> Vec<usize> {
-    to_shed(accounts, &branches(accounts), |_| true, deficit, most)
+    let all: Vec<usize> = (0..accounts.len()).collect();
+    to_shed(accounts, &branches(accounts), &all, deficit, most)
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 use burgeon::assets::Library;
 use burgeon::environment::workers::Workers;
-use burgeon::scenario::{Edit, Gardener, GardenerSettings, Timeline};
+use burgeon::scenario::{Edit, Gardener, GardenerSettings, Order, Timeline};
 use burgeon::viewer::{Action, Chosen, Course, Kind, Past, Shown, Toasts, Tool, ViewerLogic};
 
 /// A small garden in the hands of a user, and a world without a window.
@@ -45,7 +45,7 @@ fn act(app: &mut App, action: Action) {
 fn grow(app: &mut App, steps: u32) {
     for _ in 0..steps {
         let next = app.world().resource::<Course>().progress.present + 1;
-        act(app, Action::Step);
+        act(app, Action::Tell(Order::Step));
         wait(app, |world| world.resource::<Course>().progress.present == next);
     }
 }
@@ -86,18 +86,18 @@ fn place_move_crush_prune_undo_redo_scrub_fork_save_load() {
     let organs = app.world().resource::<Course>().progress.organs;
     act(&mut app, Action::Place(Kind::Ball, Vec3::ZERO));
     wait(&mut app, |world| world.resource::<Course>().progress.organs < organs);
-    act(&mut app, Action::Undo);
+    act(&mut app, Action::Tell(Order::Undo));
     wait(&mut app, |world| world.resource::<Course>().progress.organs == organs);
 
     let last = *app.world().resource::<Shown>().view.as_ref().unwrap().shot.birth.last().unwrap();
     act(&mut app, Action::Prune(last));
     wait(&mut app, |world| world.resource::<Course>().progress.organs < organs);
-    act(&mut app, Action::Undo);
-    act(&mut app, Action::Undo);
-    act(&mut app, Action::Undo);
+    act(&mut app, Action::Tell(Order::Undo));
+    act(&mut app, Action::Tell(Order::Undo));
+    act(&mut app, Action::Tell(Order::Undo));
     wait(&mut app, |world| things(world) == stood);
     assert_eq!(hash(&app), before, "undone, it is the tree it was");
-    act(&mut app, Action::Redo);
+    act(&mut app, Action::Tell(Order::Redo));
     wait(&mut app, |world| things(world) == stood + 1);
 
     grow(&mut app, 2);
@@ -115,11 +115,11 @@ fn place_move_crush_prune_undo_redo_scrub_fork_save_load() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("garden.burgeon");
     let kept = hash(&app);
-    act(&mut app, Action::Save(file.clone()));
+    act(&mut app, Action::Tell(Order::Save(file.clone())));
     wait(&mut app, |_| file.exists());
     act(&mut app, Action::Begin("figure_1a".into()));
     wait(&mut app, |world| world.resource::<Course>().progress.present == 0);
-    act(&mut app, Action::Load(file));
+    act(&mut app, Action::Tell(Order::Load(file)));
     wait(&mut app, |world| world.resource::<Course>().progress.present == 6);
     assert_eq!(hash(&app), kept);
 }
@@ -133,12 +133,12 @@ fn what_does_not_work_is_told_and_changes_nothing() {
     let bad = folder.path().join("bad.ron");
     std::fs::write(&bad, "(version: 1, name: 7").unwrap();
     for action in [
-        Action::Load(bad),
-        Action::Load(folder.path().join("none.burgeon")),
-        Action::LoadCode("no code at all".into()),
+        Action::Tell(Order::Load(bad)),
+        Action::Tell(Order::Load(folder.path().join("none.burgeon"))),
+        Action::Tell(Order::LoadCode("no code at all".into())),
         Action::Begin("no such scenario".into()),
-        Action::Save(folder.path().join("no/such/folder/x.burgeon")),
-        Action::Undo,
+        Action::Tell(Order::Save(folder.path().join("no/such/folder/x.burgeon"))),
+        Action::Tell(Order::Undo),
     ] {
         act(&mut app, action.clone());
         let began = Instant::now();

@@ -56,7 +56,8 @@ fn check(path: &Path, library: &burgeon::assets::Library) -> Result<String, Fail
     Ok(match FileKind::of(&text, path) {
         FileKind::Species => format!("species {}", Species::from_ron(&text, &file)?.name),
         FileKind::Scenario => {
-            let resolved = library.read(&text, &file, path.parent())?;
+            let mut resolved = library.read(&text, &file, path.parent())?;
+            resolved.scenario.name_after(path);
             let species: Vec<_> = resolved.species.keys().map(String::as_str).collect();
             format!("scenario {} with {}", resolved.scenario.name, species.join(", "))
         }

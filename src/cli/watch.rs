@@ -33,9 +33,13 @@ pub struct Watch {
     #[arg(long, value_name = "FILE", requires = "exit_after")]
     screenshot: Option<PathBuf>,
 
-    /// Close the window once this step has been grown and drawn.
+    /// Grow to this step and no further, draw it, and close the window.
     #[arg(long, value_name = "STEP")]
     exit_after: Option<u32>,
+
+    /// Replace a picture that is already there.
+    #[arg(long)]
+    force: bool,
 }
 
 #[derive(ValueEnum, Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +57,7 @@ impl Default for Watch {
             panels: Side::Open,
             screenshot: None,
             exit_after: None,
+            force: false,
         }
     }
 }
@@ -71,8 +76,12 @@ impl Watch {
     /// Runs the command.
     #[cfg(feature = "viewer")]
     pub fn run(self) -> Result<(), Failure> {
+        use super::output::{can_write, free};
         use burgeon::viewer::{WatchSettings, watch};
+
         let plan = self.input.or(DEFAULT_SCENARIO).plan()?;
+        free(self.screenshot.iter().cloned(), self.force)?;
+        can_write(self.screenshot.iter())?;
         watch(WatchSettings {
             resolved: plan.resolved,
             seed: plan.seed,

@@ -1,5 +1,6 @@
 //! What a plant gives up: liabilities in a shortage (`LK-11`) and side axes that earn too little for their wood.
 
+use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 
 use super::generation::Condemned;
@@ -66,21 +67,17 @@ pub fn branches(accounts: &[Account]) -> Vec<Branch> {
 }
 
 /// The liabilities of one plant to shed so that `deficit` is met: lowest income per upkeep first, ties by birth,
-/// leaves or whole branches, at most `most` organs. `mine` tells which organs are the plant's.
-pub fn to_shed(
-    accounts: &[Account],
-    sums: &[Branch],
-    mine: impl Fn(usize) -> bool,
-    deficit: f64,
-    most: u32,
-) -> Vec<usize> {
-    let mut candidates: Vec<(f64, usize)> = (0..accounts.len())
-        .filter(|&i| mine(i) && (accounts[i].kind == OrganKind::Leaf || accounts[i].begins_axis))
+/// leaves or whole branches, at most `most` organs. `mine` are the plant's organs, rising.
+pub fn to_shed(accounts: &[Account], sums: &[Branch], mine: &[usize], deficit: f64, most: u32) -> Vec<usize> {
+    let mut candidates: Vec<(f64, usize)> = mine
+        .iter()
+        .copied()
+        .filter(|&i| accounts[i].kind == OrganKind::Leaf || accounts[i].begins_axis)
         .filter(|&i| sums[i].unsensed == 0 && sums[i].upkeep > 0.0 && sums[i].income < sums[i].upkeep)
         .map(|i| (sums[i].income / sums[i].upkeep, i))
         .collect();
     candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let mut gone = vec![false; accounts.len()];
+    let mut gone = HashSet::new();
     let mut shed = Vec::new();
     let (mut freed, mut count) = (0.0, 0);
     for (_, i) in candidates {
@@ -90,7 +87,7 @@ pub fn to_shed(
         let covered = {
             let mut at = i;
             loop {
-                if gone[at] {
+                if gone.contains(&at) {
                     break true;
                 }
                 match accounts[at].parent {
@@ -102,7 +99,7 @@ pub fn to_shed(
         if covered || count + sums[i].organs > most {
             continue;
         }
-        gone[i] = true;
+        gone.insert(i);
         shed.push(i);
         freed += sums[i].upkeep - sums[i].income;
         count += sums[i].organs;
@@ -149,21 +146,21 @@ pub fn shed_liabilities(
         });
     }
     let sums = branches(&accounts);
-    let mut size = vec![0u32; roster.plants.len()];
-    for &plant in &roster.plant {
-        size[plant as usize] += 1;
+    let mut members: Vec<Vec<usize>> = vec![Vec::new(); roster.plants.len()];
+    for (i, &plant) in roster.plant.iter().enumerate() {
+        members[plant as usize].push(i);
     }
     for (plant, entity) in roster.plants.iter().enumerate() {
         let Some(Ok((Plant { species, .. }, ledger))) = entity.map(|e| plants.get(e)) else { continue };
-        let mine = |i: usize| roster.plant[i] as usize == plant;
+        let mine = &members[plant];
         if ledger.unpaid > 0.0 {
-            let most = (species.shed_share * size[plant] as f32).ceil() as u32;
+            let most = (species.shed_share * mine.len() as f32).ceil() as u32;
             for i in to_shed(&accounts, &sums, mine, ledger.unpaid, most) {
                 condemned.0.push((roster.birth[i], Cause::Liability));
             }
         }
         if species.prune_patience > 0 {
-            for i in (0..accounts.len()).filter(|&i| mine(i) && accounts[i].begins_axis) {
+            for &i in mine.iter().filter(|&&i| accounts[i].begins_axis) {
                 let Ok((span, mut base)) = stems.get_mut(roster.entity[i]) else { continue };
                 let young = step.0 - span.born() < 2;
                 let poor = sums[i].income < f64::from(species.prune_income) * f64::from(sums[i].internodes);
@@ -174,7 +171,7 @@ pub fn shed_liabilities(
             }
         }
         if species.patience_steps > 0 {
-            for i in (0..accounts.len()).filter(|&i| mine(i) && roster.kind[i] == OrganKind::ApicalBud) {
+            for &i in mine.iter().filter(|&&i| roster.kind[i] == OrganKind::ApicalBud) {
                 if buds.get(roster.entity[i]).is_ok_and(|bud| bud.starved > species.patience_steps) {
                     condemned.0.push((roster.birth[i], Cause::Starved));
                 }

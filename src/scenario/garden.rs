@@ -12,7 +12,8 @@ use crate::BurgeonPlugins;
 use crate::environment::workers::Workers;
 use crate::environment::{Ground, Scene, whole_scene};
 use crate::files::{ResolvedScenario, ScenarioError};
-use crate::growth::{StepCount, finish::StageTimes, grow, sensing::ProbeCount};
+use crate::growth::sensing::{ProbeCount, gather_probes};
+use crate::growth::{StepCount, finish::StageTimes, grow};
 use crate::limits::{self, GrowthLimits};
 use crate::plant::measure::{StageSeconds, StepRecord};
 use crate::plant::{Fallen, Roster, Snapshot, SnapshotError, plants, restore};
@@ -302,6 +303,8 @@ impl Garden {
         world.insert_resource(Fallen { total: save.fallen, ..Default::default() });
         save.fixtures.stand(&mut world);
         restore(&mut world, &save.snapshot);
+        // The limit on probes is held against the last step's, as if it had grown here.
+        gather_probes(&mut world);
         let GardenSave { scenario, seed, records, edits_made, .. } = save;
         Self { world, scenario, seed, records, edits_made }
     }

@@ -268,6 +268,8 @@ pub struct GardenerSettings {
     pub playing: bool,
     /// Steps a second while playing; `None`: as many as can be.
     pub pace: Option<f32>,
+    /// The step at which it stops playing; `None`: at none.
+    pub until: Option<u32>,
     /// Where it saves now and then, and how often at most.
     pub autosave: Option<(Autosave, Duration)>,
 }
@@ -278,6 +280,19 @@ pub struct Gardener {
     orders: Sender<Order>,
     news: Mutex<Receiver<News>>,
     thread: Option<JoinHandle<()>>,
+    ending: Mutex<Option<Ending>>,
+}
+
+/// Tells when a gardener has ended, its last save written, even if whoever held it has dropped it.
+#[derive(Debug)]
+pub struct Ending(Receiver<()>);
+
+impl Ending {
+    /// Waits until the gardener has ended. It does so when told to, or when it is dropped.
+    pub fn wait(self) {
+        // Nothing is ever sent: the channel closes with the gardener's thread.
+        while self.0.recv().is_ok() {}
+    }
 }
 
 impl Gardener {
@@ -288,10 +303,18 @@ impl Gardener {
     pub fn start(timeline: Timeline, settings: GardenerSettings) -> io::Result<Self> {
         let (orders, inbox) = mpsc::channel();
         let (outbox, news) = mpsc::channel();
-        let thread = thread::Builder::new()
-            .name("burgeon gardener".into())
-            .spawn(move || work::Work::new(timeline, settings, inbox, outbox).run())?;
-        Ok(Self { orders, news: Mutex::new(news), thread: Some(thread) })
+        let (open, ending) = mpsc::channel();
+        let thread = thread::Builder::new().name("burgeon gardener".into()).spawn(move || {
+            let _open: Sender<()> = open;
+            work::Work::new(timeline, settings, inbox, outbox).run();
+        })?;
+        let ending = Mutex::new(Some(Ending(ending)));
+        Ok(Self { orders, news: Mutex::new(news), thread: Some(thread), ending })
+    }
+
+    /// What tells when it has ended; `None` if it was taken before. For hosts whose loop takes the gardener along.
+    pub fn ending(&self) -> Option<Ending> {
+        self.ending.lock().unwrap_or_else(PoisonError::into_inner).take()
     }
 
     /// Gives an order and returns at once.
@@ -328,7 +351,7 @@ impl Gardener {
 }
 
 impl Drop for Gardener {
-    /// Tells it to end, and does not wait.
+    /// Tells it to end, and does not wait: [`Gardener::ending`] does.
     fn drop(&mut self) {
         let _ = self.order(Order::Quit);
     }

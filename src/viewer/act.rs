@@ -14,16 +14,8 @@ use crate::scenario::{Edit, Gardener, Order, PlacedLamp, PlacedSolid, Planting};
 /// Something a user does.
 #[derive(Message, Debug, Clone, PartialEq)]
 pub enum Action {
-    /// Grow, or stop growing.
-    Play(bool),
-    /// Grow one step.
-    Step,
-    /// Steps a second; 0: as many as can be.
-    Pace(f32),
-    /// Go back to the seed; edits stay.
-    Restart,
-    /// Begin again with another seed.
-    Seed(u64),
+    /// Tell the gardener something as it is.
+    Tell(Order),
     /// Begin another scenario.
     Begin(String),
     /// Look at a step of the past, or at growth again.
@@ -42,10 +34,6 @@ pub enum Action {
     Duplicate,
     /// Take away what is chosen: a thing, or a branch with all it bears.
     Delete,
-    /// Take back the last edit.
-    Undo,
-    /// Make the edit undone last again.
-    Redo,
     /// Choose.
     Choose(Chosen),
     /// Take a tool.
@@ -58,20 +46,21 @@ pub enum Action {
     Frame,
     /// Look from somewhere.
     From(ViewFrom),
-    /// Take up a scenario, run or save.
-    Load(PathBuf),
-    /// Take up the tree of a share code.
-    LoadCode(String),
-    /// Save everything.
-    Save(PathBuf),
-    /// Write the scenario, edits and all.
-    SaveScenario(PathBuf),
-    /// Write `run.ron`.
-    SaveRun(PathBuf),
-    /// Tell the share code.
-    Share,
     /// Save a picture of the window.
     Picture(PathBuf),
+}
+
+impl Action {
+    /// Whether another course of growth begins with it.
+    pub(super) fn begins_anew(&self) -> bool {
+        use Order::{Begin, Load, LoadCode, Restart, Seed};
+        let anew = |order: &Order| matches!(order, Restart | Seed(_) | Load(_) | LoadCode(_) | Begin(..));
+        match self {
+            Self::Begin(_) => true,
+            Self::Tell(order) => anew(order),
+            _ => false,
+        }
+    }
 }
 
 /// Numbers given to things that users set, so that names are unique.
@@ -120,17 +109,11 @@ pub(super) fn act(
         };
         let standing = shown.view.as_ref().map(|view| view.standing.clone());
         let sent = match action.clone() {
-            Action::Play(true) => order(Order::Play),
-            Action::Play(false) => order(Order::Pause),
-            Action::Step => order(Order::Step),
-            Action::Pace(pace) => order(Order::Pace(pace)),
-            Action::Restart => {
-                past.0 = None;
-                order(Order::Restart)
-            }
-            Action::Seed(seed) => {
-                past.0 = None;
-                order(Order::Seed(seed))
+            Action::Tell(told) => {
+                if action.begins_anew() {
+                    (past.0, *chosen) = (None, Chosen::Nothing);
+                }
+                order(told)
             }
             Action::Begin(name) => {
                 let library = library.as_ref().map_or_else(Library::embedded, |own| own.0.clone());
@@ -212,8 +195,6 @@ pub(super) fn act(
                 *chosen = Chosen::Nothing;
                 made.is_none_or(|made| edit(made, false, &mut past))
             }
-            Action::Undo => order(Order::Undo),
-            Action::Redo => order(Order::Redo),
             Action::Choose(new) => {
                 *chosen = new;
                 true
@@ -227,18 +208,6 @@ pub(super) fn act(
                 shown.overlay = overlay;
                 true
             }
-            Action::Load(path) => {
-                (past.0, *chosen) = (None, Chosen::Nothing);
-                order(Order::Load(path))
-            }
-            Action::LoadCode(code) => {
-                past.0 = None;
-                order(Order::LoadCode(code))
-            }
-            Action::Save(path) => order(Order::Save(path)),
-            Action::SaveScenario(path) => order(Order::SaveScenario(path)),
-            Action::SaveRun(path) => order(Order::SaveRun(path)),
-            Action::Share => order(Order::Share),
             // The camera's and the window's.
             Action::Frame | Action::From(_) | Action::Picture(_) => true,
         };

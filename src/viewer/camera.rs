@@ -143,9 +143,7 @@ pub(super) fn frame(
                 };
                 framing.follows = true;
             }
-            Action::Begin(_) | Action::Restart | Action::Seed(_) | Action::Load(_) | Action::LoadCode(_) => {
-                framing.follows = true;
-            }
+            action if action.begins_anew() => framing.follows = true,
             _ => {}
         }
     }

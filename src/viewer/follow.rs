@@ -28,11 +28,13 @@ pub(super) fn follow(
         }
         match news {
             News::Grown(view, progress) => {
+                course.stopped = false;
                 note(&mut course, progress, &view);
                 arrive(&mut shown, &past, view, true);
                 seek_ghost(&gardener, &shown, &course);
             }
             News::Changed { view, progress, shed } => {
+                course.stopped = false;
                 note(&mut course, progress, &view);
                 if past.0.is_some_and(|step| step >= progress.present) {
                     past.0 = None;
@@ -61,7 +63,10 @@ pub(super) fn follow(
             News::Saved(path) => toasts.tell(format!("saved {}", path.display())),
             News::Code(code) => toasts.tell(format!("share code: {code}")),
             News::Refused(why) => toasts.warn(why),
-            News::Stopped(why) => toasts.warn(format!("{why}; what has grown is kept")),
+            News::Stopped(why) => {
+                course.stopped = true;
+                toasts.warn(format!("{why}; what has grown is kept"));
+            }
             // The panels have heard.
             News::Explained(_) | News::Fallen(_) | News::Records(_) | News::Copied(_) | News::Ended => {}
         }

@@ -7,6 +7,7 @@ use bevy_egui::input::EguiWantsInput;
 use super::act::Action;
 use super::panels::Panels;
 use super::state::{Chosen, Course, Doomed, Kind, Past, Shown, Tool, ViewFrom};
+use crate::scenario::Order;
 
 /// Keys, for the help: what to press, what it does.
 pub(super) const KEYS: &[(&str, &str)] = &[
@@ -52,20 +53,22 @@ pub(super) fn keys(
     let step = past.0.unwrap_or(course.progress.present);
     for key in input.get_just_pressed() {
         let action = match (key, control) {
-            (KeyCode::KeyZ, true) if shift => Action::Redo,
-            (KeyCode::KeyZ, true) => Action::Undo,
-            (KeyCode::KeyY, true) => Action::Redo,
-            (KeyCode::KeyS, true) => Action::Save(panels.save_path()),
-            (KeyCode::KeyO, true) => Action::Load(panels.save_path()),
+            (KeyCode::KeyZ, true) if shift => Action::Tell(Order::Redo),
+            (KeyCode::KeyZ, true) => Action::Tell(Order::Undo),
+            (KeyCode::KeyY, true) => Action::Tell(Order::Redo),
+            (KeyCode::KeyS, true) => Action::Tell(Order::Save(panels.save_path())),
+            (KeyCode::KeyO, true) => Action::Tell(Order::Load(panels.save_path())),
             (KeyCode::KeyD, true) => Action::Duplicate,
             (_, true) => continue,
-            (KeyCode::Space, _) => Action::Play(!course.progress.playing),
-            (KeyCode::Period, _) => Action::Step,
+            (KeyCode::Space, _) => {
+                Action::Tell(if course.progress.playing { Order::Pause } else { Order::Play })
+            }
+            (KeyCode::Period, _) => Action::Tell(Order::Step),
             (KeyCode::ArrowLeft, _) => Action::Look(Some(step.saturating_sub(1))),
             (KeyCode::ArrowRight, _) if past.0.is_some() => {
                 Action::Look(Some(step + 1).filter(|next| *next < course.progress.present))
             }
-            (KeyCode::ArrowRight, _) => Action::Step,
+            (KeyCode::ArrowRight, _) => Action::Tell(Order::Step),
             (KeyCode::End, _) => Action::Look(None),
             (KeyCode::Delete | KeyCode::Backspace, _) => Action::Delete,
             (KeyCode::KeyF, _) => Action::Frame,
@@ -116,7 +119,7 @@ pub(super) fn keys(
 pub(super) fn dropped(mut drops: MessageReader<FileDragAndDrop>, mut actions: MessageWriter<Action>) {
     for drop in drops.read() {
         if let FileDragAndDrop::DroppedFile { path_buf, .. } = drop {
-            actions.write(Action::Load(path_buf.clone()));
+            actions.write(Action::Tell(Order::Load(path_buf.clone())));
         }
     }
 }

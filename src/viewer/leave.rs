@@ -6,8 +6,8 @@ use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy_egui::egui::{self, RichText};
 
+use super::picture::write_picture;
 use super::why::inspector::Answers;
-use crate::files::write_whole;
 use crate::scenario::{News, Order};
 
 /// What was written or went wrong last.
@@ -155,7 +155,7 @@ fn plain(name: &str) -> String {
 }
 
 /// The first path of that name in a folder at which nothing is: what is there is never replaced.
-fn free(folder: &Path, stem: &str, extension: &str) -> PathBuf {
+pub(super) fn free(folder: &Path, stem: &str, extension: &str) -> PathBuf {
     let dot = if extension.is_empty() { "" } else { "." };
     let named = |i: u32| match i {
         1 => folder.join(format!("{stem}{dot}{extension}")),
@@ -173,23 +173,12 @@ pub fn take_screenshot(mut commands: Commands, mut answers: ResMut<Answers>) {
     let Some(path) = answers.leave.shot.take() else { return };
     commands.spawn(Screenshot::primary_window()).observe(
         move |captured: On<ScreenshotCaptured>, mut answers: ResMut<Answers>| {
-            answers.leave.note = Some(match save(&captured.image, &path) {
+            answers.leave.note = Some(match write_picture(&captured.image, &path) {
                 Ok(()) => Note::Done(format!("{} written", path.display())),
-                Err(why) => Note::Failed(format!("cannot write {}: {why}", path.display())),
+                Err(why) => Note::Failed(format!("cannot write {why}")),
             });
         },
     );
-}
-
-/// Writes a picture, whole or not at all.
-fn save(image: &Image, path: &Path) -> Result<(), String> {
-    let picture = image.clone().try_into_dynamic().map_err(|why| why.to_string())?;
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    picture.to_rgb8().write_to(&mut bytes, image::ImageFormat::Png).map_err(|why| why.to_string())?;
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(|why| why.to_string())?;
-    }
-    write_whole(path, &[bytes.get_ref()]).map_err(|why| why.to_string())
 }
 
 #[cfg(test)]
@@ -219,20 +208,5 @@ mod tests {
         let why = crate::scenario::GardenerError::Nothing("undo");
         leave.hear(&News::Refused(why));
         assert!(matches!(&leave.note, Some(Note::Failed(why)) if why.contains("undo")));
-    }
-
-    #[test]
-    fn a_picture_goes_to_disk_or_an_error_says_why_not() {
-        let folder = tempfile::tempdir().unwrap();
-        let image = Image::new_fill(
-            bevy::render::render_resource::Extent3d { width: 4, height: 3, depth_or_array_layers: 1 },
-            bevy::render::render_resource::TextureDimension::D2,
-            &[10, 20, 30, 255],
-            bevy::render::render_resource::TextureFormat::Rgba8UnormSrgb,
-            Default::default(),
-        );
-        save(&image, &folder.path().join("new/a.png")).unwrap();
-        std::fs::write(folder.path().join("taken"), "").unwrap();
-        assert!(save(&image, &folder.path().join("taken/a.png")).is_err());
     }
 }

@@ -15,7 +15,7 @@ use bevy_panorbit_camera::{PanOrbitCameraPlugin, PanOrbitCameraSystemSet};
 use super::act::OwnLibrary;
 use super::camera::{self, Framing};
 use super::panels::{self, Panels, Room};
-use super::picture::{self, PictureThen};
+use super::picture::{self, PictureFailure, PictureThen};
 use super::state::{Course, Shown};
 use super::why::inspector::InspectorPlugin;
 use super::{ViewerLogic, keys, pointer, scene};
@@ -45,9 +45,9 @@ pub struct WatchSettings {
     pub size: (u32, u32),
     /// Whether the panels are open.
     pub panels: bool,
-    /// Where a picture of the window goes before it closes.
+    /// Where a picture of the window goes before it closes; what is there is replaced.
     pub screenshot: Option<PathBuf>,
-    /// The step after which the window closes.
+    /// The step growth stops at, and after which the window closes.
     pub exit_after: Option<u32>,
 }
 
@@ -65,6 +65,9 @@ pub enum WatchError {
     /// The graphics device was lost.
     #[error("the graphics device was lost; what has grown is in {}", .0.display())]
     Lost(PathBuf),
+    /// The picture asked for could not be written.
+    #[error("the picture could not be written: {0}")]
+    Picture(String),
     /// The scenario cannot begin.
     #[error(transparent)]
     Timeline(#[from] TimelineError),
@@ -96,8 +99,15 @@ pub fn watch(settings: WatchSettings) -> Result<(), WatchError> {
     let session = settings.exit_after.is_none();
     let autosave =
         (session && std::fs::create_dir_all(&folder).is_ok()).then(|| (Autosave::open(&file).0, AUTOSAVE));
-    let gardener =
-        Gardener::start(timeline, GardenerSettings { playing: true, pace: settings.pace, autosave })?;
+    let begin = GardenerSettings {
+        playing: settings.exit_after != Some(0),
+        pace: settings.pace,
+        until: settings.exit_after,
+        autosave,
+    };
+    let gardener = Gardener::start(timeline, begin)?;
+    let ending = gardener.ending();
+    let unsaved: PictureFailure = default();
     let hint = session && first_time(&folder);
     let files = std::env::current_dir().unwrap_or_default();
 
@@ -124,14 +134,18 @@ pub fn watch(settings: WatchSettings) -> Result<(), WatchError> {
         app.world_mut().resource_mut::<Course>().scenario = scenario;
         app.world_mut().resource_mut::<Shown>().live = true;
         if let Some(step) = settings.exit_after {
-            app.insert_resource(PictureThen { file: settings.screenshot.clone(), step });
+            app.insert_resource(PictureThen { file: settings.screenshot.clone(), step })
+                .insert_resource(unsaved.clone());
         }
-        let exit = app.run();
-        if let Some(gardener) = app.world_mut().remove_resource::<Gardener>() {
-            gardener.quit();
-        }
-        exit
+        app.run()
     }));
+    // The app has taken the gardener along; its last save must not be cut short.
+    if let Some(ending) = ending {
+        ending.wait();
+    }
+    if let Some(why) = unsaved.take() {
+        return Err(WatchError::Picture(why));
+    }
     match opened {
         Ok(AppExit::Error(code)) if code.get() == LOST => Err(WatchError::Lost(file)),
         Ok(_) => Ok(()),

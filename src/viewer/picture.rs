@@ -1,13 +1,15 @@
 //! Pictures of the window, on request and for checks.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use bevy::prelude::*;
-use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 
 use super::act::Action;
 use super::scene::Growing;
-use super::state::{Past, Shown};
+use super::state::{Course, Shown, Toasts};
+use crate::files::write_whole;
 use crate::render::{Stage, StepFraction};
 
 /// Takes a picture once a step is on screen, then ends the program.
@@ -15,6 +17,21 @@ use crate::render::{Stage, StepFraction};
 pub(super) struct PictureThen {
     pub file: Option<PathBuf>,
     pub step: u32,
+}
+
+/// Why the last picture before the end could not be written; outlives the app.
+#[derive(Resource, Debug, Clone, Default)]
+pub(super) struct PictureFailure(Arc<Mutex<Option<String>>>);
+
+impl PictureFailure {
+    /// The reason, if there is one.
+    pub fn take(&self) -> Option<String> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+
+    fn set(&self, why: String) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(why);
+    }
 }
 
 /// Frames that everything has to have been ready for.
@@ -27,27 +44,29 @@ pub(super) fn picture_then_exit(
     mut commands: Commands,
     wanted: Option<Res<PictureThen>>,
     shown: Res<Shown>,
+    course: Res<Course>,
     plants: Query<(&Stage, &StepFraction), With<Growing>>,
     mut calm: Local<u32>,
     mut frames: Local<u32>,
-    mut actions: MessageWriter<Action>,
     mut exit: MessageWriter<AppExit>,
 ) {
     let Some(wanted) = wanted else { return };
-    let reached = shown.view.as_ref().is_some_and(|view| view.step >= wanted.step);
-    if reached && *calm == 0 {
-        actions.write(Action::Play(false));
-    }
+    let reached = course.stopped || shown.view.as_ref().is_some_and(|view| view.step >= wanted.step);
     let ready = plants.iter().all(|(stage, fraction)| stage.is_settled() && fraction.0 >= 1.0);
     *frames += 1;
     if reached && ready && !plants.is_empty() && *frames > WARM {
         *calm += 1;
     }
     if *calm == CALM {
-        match &wanted.file {
+        match wanted.file.clone() {
             Some(file) => {
-                commands.spawn(Screenshot::primary_window()).observe(save_to_disk(file.clone())).observe(
-                    |_: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
+                commands.spawn(Screenshot::primary_window()).observe(
+                    move |captured: On<ScreenshotCaptured>,
+                          failure: Res<PictureFailure>,
+                          mut exit: MessageWriter<AppExit>| {
+                        if let Err(why) = write_picture(&captured.image, &file) {
+                            failure.set(why);
+                        }
                         exit.write(AppExit::Success);
                     },
                 );
@@ -61,17 +80,53 @@ pub(super) fn picture_then_exit(
 }
 
 /// Saves a picture of the window.
-pub(super) fn pictures(
-    mut commands: Commands,
-    mut actions: MessageReader<Action>,
-    past: Res<Past>,
-    mut toasts: ResMut<super::state::Toasts>,
-) {
+pub(super) fn pictures(mut commands: Commands, mut actions: MessageReader<Action>) {
     for action in actions.read() {
         if let Action::Picture(file) = action {
-            toasts.tell(format!("picture: {}", file.display()));
-            commands.spawn(Screenshot::primary_window()).observe(save_to_disk(file.clone()));
+            let file = file.clone();
+            commands.spawn(Screenshot::primary_window()).observe(
+                move |captured: On<ScreenshotCaptured>, mut toasts: ResMut<Toasts>| match write_picture(
+                    &captured.image,
+                    &file,
+                ) {
+                    Ok(()) => toasts.tell(format!("picture: {}", file.display())),
+                    Err(why) => toasts.warn(why),
+                },
+            );
         }
     }
-    let _ = past;
+}
+
+/// Writes a picture as PNG, whole or not at all; makes its folder. The error says what and why.
+pub(super) fn write_picture(image: &Image, path: &Path) -> Result<(), String> {
+    let failed = |why: String| format!("{}: {why}", path.display());
+    let picture = image.clone().try_into_dynamic().map_err(|why| failed(why.to_string()))?;
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let encoded = picture.to_rgb8().write_to(&mut bytes, image::ImageFormat::Png);
+    encoded.map_err(|why| failed(why.to_string()))?;
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(|why| failed(why.to_string()))?;
+    }
+    write_whole(path, &[bytes.get_ref()]).map_err(|why| failed(why.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_goes_to_disk_or_an_error_says_why_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let image = Image::new_fill(
+            bevy::render::render_resource::Extent3d { width: 4, height: 3, depth_or_array_layers: 1 },
+            bevy::render::render_resource::TextureDimension::D2,
+            &[10, 20, 30, 255],
+            bevy::render::render_resource::TextureFormat::Rgba8UnormSrgb,
+            Default::default(),
+        );
+        write_picture(&image, &folder.path().join("new/a.png")).unwrap();
+        std::fs::write(folder.path().join("taken"), "").unwrap();
+        let why = write_picture(&image, &folder.path().join("taken/a.png")).unwrap_err();
+        assert!(why.contains("taken/a.png"), "{why}");
+    }
 }

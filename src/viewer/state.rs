@@ -38,6 +38,8 @@ pub struct Course {
     pub records: Vec<StepRecord>,
     /// Name of the scenario.
     pub scenario: String,
+    /// Whether growth has stopped at a limit or an edit that cannot be made.
+    pub stopped: bool,
 }
 
 /// The step of the past that is looked at; `None`: growth is watched.

@@ -29,6 +29,8 @@ pub(super) struct Work {
     orders: VecDeque<Order>,
     playing: bool,
     pace: Option<f32>,
+    /// The step at which it stops playing.
+    until: Option<u32>,
     /// When the next step is to be grown while playing.
     due: Instant,
     visit: Option<Visit>,
@@ -52,6 +54,7 @@ impl Work {
             orders: VecDeque::new(),
             playing: settings.playing,
             pace: None,
+            until: settings.until,
             due: now,
             visit: None,
             autosave: settings.autosave,
@@ -280,6 +283,9 @@ impl Work {
                     let beat = self.pace.map_or(Duration::ZERO, |pace| Duration::from_secs_f32(1.0 / pace));
                     // A beat that was missed is not made up for.
                     self.due = (self.due + beat).max(Instant::now());
+                }
+                if self.until == Some(self.timeline.present()) {
+                    self.playing = false;
                 }
                 if let Some(view) = self.timeline.view(self.timeline.present()) {
                     self.tell(News::Grown(view, self.progress()));

@@ -3,6 +3,7 @@
 use bevy_egui::egui::{self, Ui};
 
 use super::{Panels, Seen};
+use crate::scenario::Order;
 use crate::viewer::act::Action;
 use crate::viewer::state::{Kind, Tool};
 use crate::viewer::style;
@@ -35,8 +36,14 @@ pub(super) fn top(ui: &mut Ui, seen: &Seen, panels: &mut Panels, act: &mut impl 
                 act(action);
             }
         };
-        button(ui, progress.undoable > 0, "Undo", "Take back the last edit (Ctrl+Z)", Action::Undo);
-        button(ui, progress.redoable > 0, "Redo", "Make it again (Ctrl+Shift+Z)", Action::Redo);
+        button(
+            ui,
+            progress.undoable > 0,
+            "Undo",
+            "Take back the last edit (Ctrl+Z)",
+            Action::Tell(Order::Undo),
+        );
+        button(ui, progress.redoable > 0, "Redo", "Make it again (Ctrl+Shift+Z)", Action::Tell(Order::Redo));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if ui.button("?").on_hover_text("Every key").clicked() {
                 panels.help = !panels.help;
@@ -62,19 +69,19 @@ pub(super) fn timeline(ui: &mut Ui, seen: &Seen, act: &mut impl FnMut(Action)) {
     ui.horizontal(|ui| {
         let name = if progress.playing { "⏸" } else { "▶" };
         if ui.button(egui::RichText::new(name).size(17.0)).on_hover_text("Grow, or stop (Space)").clicked() {
-            act(Action::Play(!progress.playing));
+            act(Action::Tell(if progress.playing { Order::Pause } else { Order::Play }));
         }
         if ui.button("Step").on_hover_text("Grow one step (.)").clicked() {
-            act(Action::Step);
+            act(Action::Tell(Order::Step));
         }
         if ui.button("Seed").on_hover_text("Back to the seed; edits stay").clicked() {
-            act(Action::Restart);
+            act(Action::Tell(Order::Restart));
         }
         let mut pace = progress.pace.unwrap_or(8.0);
         ui.spacing_mut().slider_width = 70.0;
         let slider = egui::Slider::new(&mut pace, 0.1..=8.0).logarithmic(true).show_value(false);
         if ui.add(slider).on_hover_text("Steps a second").changed() {
-            act(Action::Pace(if pace >= 7.9 { 0.0 } else { pace }));
+            act(Action::Tell(Order::Pace(if pace >= 7.9 { 0.0 } else { pace })));
         }
         match progress.pace {
             Some(pace) => ui.label(format!("{pace:.1}/s")),

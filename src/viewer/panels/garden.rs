@@ -7,8 +7,9 @@ use egui_plot::{Line, Plot, PlotPoints};
 use super::{Panels, Seen};
 use crate::environment::{Lamp, Sky};
 use crate::plant::measure::StepRecord;
-use crate::scenario::{Edit, Fixture};
+use crate::scenario::{Edit, Fixture, Order};
 use crate::viewer::act::Action;
+use crate::viewer::leave::free;
 use crate::viewer::state::{Chosen, Toasts};
 use crate::viewer::style;
 
@@ -38,7 +39,7 @@ pub(super) fn garden(
         let field = ui.add(egui::TextEdit::singleline(&mut panels.seed).desired_width(70.0));
         if field.lost_focus() {
             match panels.seed.trim().parse() {
-                Ok(seed) if seed != seen.course.progress.seed => act(Action::Seed(seed)),
+                Ok(seed) if seed != seen.course.progress.seed => act(Action::Tell(Order::Seed(seed))),
                 Ok(_) => {}
                 Err(_) => toasts.warn("a seed is a whole number"),
             }
@@ -203,21 +204,31 @@ fn leave(ui: &mut Ui, panels: &mut Panels, act: &mut impl FnMut(Action)) {
     };
     ui.horizontal_wrapped(|ui| {
         let folder = &panels.folder;
-        saved(ui, "Save", "The whole garden with its past (Ctrl+S)", Action::Save(panels.save_path()));
+        saved(
+            ui,
+            "Save",
+            "The whole garden with its past (Ctrl+S)",
+            Action::Tell(Order::Save(panels.save_path())),
+        );
         saved(
             ui,
             "Scenario",
             "The scenario, your edits in it",
-            Action::SaveScenario(folder.join("scenario.ron")),
+            Action::Tell(Order::SaveScenario(free(folder, "scenario", "ron"))),
         );
-        saved(ui, "Run", "run.ron, which grows the same tree again", Action::SaveRun(folder.join("run.ron")));
-        saved(ui, "Picture", "A picture of the window", Action::Picture(folder.join("window.png")));
-        saved(ui, "Code", "A short code that grows this tree anywhere", Action::Share);
+        saved(
+            ui,
+            "Run",
+            "run.ron, which grows the same tree again",
+            Action::Tell(Order::SaveRun(free(folder, "run", "ron"))),
+        );
+        saved(ui, "Picture", "A picture of the window", Action::Picture(free(folder, "window", "png")));
+        saved(ui, "Code", "A short code that grows this tree anywhere", Action::Tell(Order::Share));
     });
     ui.horizontal(|ui| {
         ui.add(egui::TextEdit::singleline(&mut panels.code).hint_text("a share code").desired_width(130.0));
         if ui.add_enabled(!panels.code.trim().is_empty(), egui::Button::new("Grow it")).clicked() {
-            act(Action::LoadCode(panels.code.trim().into()));
+            act(Action::Tell(Order::LoadCode(panels.code.trim().into())));
         }
     });
 }

@@ -155,7 +155,7 @@ fn give(orders: Vec<Order>, gardener: &Gardener, actions: &mut Vec<Action>) {
                 actions.push(Action::Drag(edit));
             }
             Order::LoadCode(code) => {
-                actions.push(Action::LoadCode(code));
+                actions.push(Action::Tell(Order::LoadCode(code)));
             }
             // A gardener that has ended has told so.
             order => {

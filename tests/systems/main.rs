@@ -1,6 +1,9 @@
 //! Every system of the growth step alone, on a few organs set by hand.
 
+#[path = "../common/mod.rs"]
 mod common;
+mod giving_up;
+mod vigour;
 
 use bevy::prelude::*;
 use burgeon::environment::{Solid, SolidShape};

@@ -1,0 +1,107 @@
+//! What plants give up: poor side axes, buds out of patience, terminal buds.
+
+use super::*;
+
+/// A trunk, and a side axis of two internodes with one leaf that earns `income` a step.
+fn trunk_with_branch(species: Species, income: f32) -> (Nursery, Entity) {
+    let mut nursery = Nursery::new(species);
+    let trunk = nursery.stem(None, 0.2);
+    let base = nursery.turned_stem(Some(trunk), 0.2, Quat::from_rotation_x(0.9));
+    let end = nursery.stem(Some(base), 0.2);
+    let leaf = nursery.leaf(end, 1.0, 1.0);
+    nursery.set(leaf, EnergyFlow { income, upkeep: 0.0 });
+    nursery.app.insert_resource(StepCount(5));
+    (nursery, base)
+}
+
+#[test]
+fn shed_liabilities_gives_up_a_side_axis_that_is_poor_for_longer_than_its_patience() {
+    let species = Species { prune_income: 0.5, prune_patience: 2, ..lam_king() };
+    let (mut nursery, base) = trunk_with_branch(species, 0.9);
+    for poor in 1..=2 {
+        nursery.run(liabilities::shed_liabilities);
+        assert_eq!(nursery.get::<Internode>(base).poor_steps, poor);
+        assert!(nursery.condemned().is_empty());
+    }
+    nursery.run(liabilities::shed_liabilities);
+    let base = nursery.birth(base);
+    assert_eq!(nursery.condemned(), [(base, Cause::SelfPruned)], "0.9 for two internodes is below 2 x 0.5");
+}
+
+#[test]
+fn shed_liabilities_forgives_a_side_axis_that_recovers_and_spares_the_young() {
+    let species = Species { prune_income: 0.5, prune_patience: 2, ..lam_king() };
+    let (mut nursery, base) = trunk_with_branch(species.clone(), 0.9);
+    nursery.run(liabilities::shed_liabilities);
+    let [leaf] = nursery.all(OrganKind::Leaf)[..] else { panic!("one leaf") };
+    nursery.set(leaf, EnergyFlow { income: 1.1, upkeep: 0.0 });
+    nursery.run(liabilities::shed_liabilities);
+    assert_eq!(nursery.get::<Internode>(base).poor_steps, 0, "counted anew");
+
+    let (mut nursery, base) = trunk_with_branch(species, 0.0);
+    nursery.app.insert_resource(StepCount(1));
+    nursery.run(liabilities::shed_liabilities);
+    assert_eq!(nursery.get::<Internode>(base).poor_steps, 0, "its leaves have not had a year yet");
+
+    let (mut nursery, _) = trunk_with_branch(Species { prune_patience: 0, ..lam_king() }, 0.0);
+    for _ in 0..20 {
+        nursery.run(liabilities::shed_liabilities);
+    }
+    assert!(nursery.condemned().is_empty(), "without patience in its species nothing is ever given up");
+}
+
+#[test]
+fn shed_liabilities_condemns_apical_buds_out_of_patience() {
+    let mut nursery = Nursery::new(Species { patience_steps: 2, ..lam_king() });
+    let trunk = nursery.stem(None, 0.2);
+    let bud = nursery.apical_bud(Some(trunk), 1.0, 0.0);
+    for _ in 0..2 {
+        nursery.run(shoots::extend_shoots);
+        nursery.run(liabilities::shed_liabilities);
+        assert!(nursery.condemned().is_empty());
+    }
+    nursery.run(shoots::extend_shoots);
+    nursery.run(liabilities::shed_liabilities);
+    assert_eq!(nursery.condemned(), [(nursery.birth(bud), Cause::Starved)]);
+}
+
+#[test]
+fn form_nodes_forks_where_a_terminal_bud_dies() {
+    let species = Species {
+        terminal_death: [1.0].into(),
+        fork_angle_deg: 30.0,
+        apical_buds_per_node: 0,
+        axis_continues: true,
+        ..lam_king()
+    };
+    let mut nursery = Nursery::new(species);
+    let trunk = nursery.stem(None, 0.2);
+    let bud = nursery.apical_bud(Some(trunk), 1.0, 2.0);
+    nursery.set(bud, ApicalBud { nodes: 2, ..default() });
+    fresh_node(&mut nursery, trunk, bud);
+    nursery.run(form_nodes);
+    assert_eq!(nursery.condemned(), [(nursery.birth(bud), Cause::Aborted)]);
+    close(nursery.stored(), 2.0);
+    let forks: Vec<Entity> = nursery.all(OrganKind::ApicalBud).into_iter().filter(|&b| b != bud).collect();
+    let headings: Vec<Vec3> = forks.iter().map(|&fork| nursery.get::<Pose>(fork).heading()).collect();
+    assert_eq!(forks.len(), 2);
+    assert!((headings[0].angle_between(headings[1]).to_degrees() - 60.0).abs() < 1e-3, "on both sides");
+    assert!(forks.iter().all(|&fork| nursery.get::<BranchOrder>(fork).0 == 0), "they go on as its axis");
+}
+
+#[test]
+fn form_nodes_spares_a_seedling_and_the_middle_of_a_growth_unit() {
+    let species =
+        Species { terminal_death: [1.0].into(), apical_buds_per_node: 0, axis_continues: true, ..lam_king() };
+    for (nodes, ends_unit) in [(1, true), (2, false)] {
+        let mut nursery = Nursery::new(species.clone());
+        let trunk = nursery.stem(None, 0.2);
+        let bud = nursery.apical_bud(Some(trunk), 1.0, 2.0);
+        nursery.set(bud, ApicalBud { nodes, ..default() });
+        fresh_node(&mut nursery, trunk, bud);
+        nursery.app.world_mut().resource_mut::<FreshNodes>().0[0].ends_unit = ends_unit;
+        nursery.run(form_nodes);
+        assert!(nursery.condemned().is_empty());
+        assert_eq!(nursery.all(OrganKind::ApicalBud), [bud]);
+    }
+}

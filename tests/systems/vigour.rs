@@ -1,0 +1,106 @@
+//! Sharing by vigour instead of by exposure (Borchert & Honda; Palubicki 2009).
+
+use burgeon::growth::vigour;
+use burgeon::species::Allocation;
+
+use super::*;
+
+/// Shares by vigour whole internodes of 1.4 energy each.
+fn by_vigour() -> Species {
+    Species {
+        allocation: Allocation::ByVigour,
+        node_spacing_m: 0.2,
+        shoot_cost: 5.0,
+        leaf_cost: 0.2,
+        leaves_per_node: 2,
+        short_internode: 0.1,
+        vigour_short: 0.25,
+        store_release: 1.0,
+        apical_control: [0.5].into(),
+        flush_internodes: [10.0].into(),
+        ..lam_king()
+    }
+}
+
+/// A trunk with a tip, and a side axis with a tip; both in full light.
+fn fork(species: Species, energy: f64) -> (Nursery, Entity, Entity) {
+    let mut nursery = Nursery::new(species).store(energy);
+    let trunk = nursery.stem(None, 0.2);
+    let main = nursery.apical_bud(Some(trunk), 1.0, 0.0);
+    let branch = nursery.turned_stem(Some(trunk), 0.2, Quat::from_rotation_x(0.9));
+    let side = nursery.apical_bud(Some(branch), 1.0, 0.0);
+    (nursery, main, side)
+}
+
+fn got(nursery: &Nursery, organ: Entity) -> f64 {
+    f64::from(nursery.get::<Allotment>(organ).0)
+}
+
+#[test]
+fn share_surplus_gives_buds_whole_internodes_with_their_leaves() {
+    let unit = f64::from(vigour::internode_cost(&by_vigour()));
+    close(unit, 0.2 * 5.0 + 2.0 * 0.2);
+    let (mut nursery, main, side) = fork(by_vigour(), 8.0 * unit);
+    nursery.run(share::share_surplus);
+    close(got(&nursery, main), 4.0 * unit);
+    close(got(&nursery, side), 4.0 * unit);
+    close(nursery.stored(), 0.0);
+}
+
+#[test]
+fn share_surplus_favours_the_main_axis_by_apical_control() {
+    let species = Species { apical_control: [0.75].into(), ..by_vigour() };
+    let unit = f64::from(vigour::internode_cost(&species));
+    let (mut nursery, main, side) = fork(species, 8.0 * unit);
+    nursery.run(share::share_surplus);
+    close(got(&nursery, main), 6.0 * unit);
+    close(got(&nursery, side), 2.0 * unit);
+}
+
+#[test]
+fn share_surplus_follows_the_light() {
+    let (mut nursery, main, side) = fork(by_vigour(), 0.0);
+    let unit = f64::from(vigour::internode_cost(&by_vigour()));
+    nursery = nursery.store(8.0 * unit);
+    nursery.set(side, Exposure { light: 1.0 / 3.0, space: 1.0, sensed: true });
+    nursery.run(share::share_surplus);
+    close(got(&nursery, main), 6.0 * unit);
+    close(got(&nursery, side), 2.0 * unit);
+}
+
+#[test]
+fn share_surplus_stops_at_a_full_flush_and_keeps_what_is_over() {
+    let species = Species { flush_internodes: [3.0, 2.0].into(), ..by_vigour() };
+    let unit = f64::from(vigour::internode_cost(&species));
+    let (mut nursery, main, side) = fork(species, 8.0 * unit);
+    nursery.run(share::share_surplus);
+    close(got(&nursery, main), 3.0 * unit);
+    close(got(&nursery, side), 2.0 * unit);
+    close(nursery.stored(), 3.0 * unit);
+}
+
+#[test]
+fn share_surplus_makes_short_shoots_of_little_and_nothing_of_less() {
+    let unit = f64::from(vigour::internode_cost(&by_vigour()));
+    let short = f64::from(vigour::short_shoot_cost(&by_vigour()));
+    let (mut nursery, main, side) = fork(by_vigour(), 1.2 * unit);
+    nursery.run(share::share_surplus);
+    close(got(&nursery, main), short);
+    close(got(&nursery, side), short);
+
+    // Too little for two short shoots, enough for one: the main axis has it.
+    let (mut nursery, main, side) = fork(by_vigour(), 0.4 * unit);
+    nursery.run(share::share_surplus);
+    let fed = [main, side].map(|bud| got(&nursery, bud) > 0.0);
+    assert_eq!(fed.iter().filter(|fed| **fed).count(), 1, "{fed:?}");
+}
+
+#[test]
+fn share_surplus_takes_back_what_was_not_used() {
+    let unit = f64::from(vigour::internode_cost(&by_vigour()));
+    let (mut nursery, main, side) = fork(by_vigour(), 0.0);
+    nursery.set(side, Allotment((4.0 * unit) as f32));
+    nursery.run(share::share_surplus);
+    close(got(&nursery, main) + got(&nursery, side) + nursery.stored(), 4.0 * unit);
+    close(got(&nursery, main), 2.0 * unit);
+}
