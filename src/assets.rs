@@ -15,7 +15,10 @@ macro_rules! embedded {
 }
 
 /// Shipped species: name and text.
-const SPECIES: &[(&str, &str)] = embedded!("species": "lam_king", "oak", "lily", "horneophyton", "palm");
+const SPECIES: &[(&str, &str)] = embedded!("species":
+    "lam_king", "oak", "silver_birch", "norway_spruce", "scots_pine", "lombardy_poplar", "weeping_willow",
+    "japanese_maple", "umbrella_acacia", "beech", "apple", "hazel", "palm", "candelabra", "lily", "horneophyton",
+);
 
 /// Shipped scenarios: name and text.
 const SCENARIOS: &[(&str, &str)] = embedded!("scenarios":
@@ -254,7 +257,8 @@ fn is_path(name: &str) -> bool {
 
 /// Whether a name can be a file's in a folder.
 fn is_plain(name: &str) -> bool {
-    !name.is_empty() && name.len() <= 80 && name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-')
+    let separates = |c: char| matches!(c, '/' | '\\' | ':' | '\0');
+    !name.is_empty() && name.len() <= 80 && !name.starts_with('.') && !name.contains(separates)
 }
 
 impl Species {

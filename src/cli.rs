@@ -4,6 +4,7 @@ mod check;
 mod compare;
 mod completions;
 mod describe;
+mod gallery;
 mod grow;
 mod input;
 mod output;
@@ -47,6 +48,8 @@ enum Command {
     Watch(watch::Watch),
     /// Grow a scenario, or a run again from its run.ron, and write pictures, a model and tables.
     Grow(Box<grow::Grow>),
+    /// Grow species from seed and show them at three ages, in leaf and bare, on one sheet.
+    Gallery(gallery::Gallery),
     /// Grow the same seed in several scenarios and show them side by side.
     Compare(compare::Compare),
     /// Grow a scenario and show what can be seen from a point in it: light, share and space, as JSON.
@@ -112,6 +115,9 @@ enum Failure {
     /// Growth ended early.
     #[error("{0}; what has grown is kept")]
     Stopped(#[from] GardenError),
+    /// An edit of the scenario could not be made.
+    #[error("the edit at step {step} could not be made: {why}")]
+    Lapsed { step: u32, why: String },
     /// A run grown again differs.
     #[error("not the same tree: it first differs at step {0}")]
     NotTheSame(u32),
@@ -121,7 +127,7 @@ impl Failure {
     fn code(&self) -> u8 {
         match self {
             Self::Usage(_) => 2,
-            Self::Stopped(_) => 3,
+            Self::Stopped(_) | Self::Lapsed { .. } => 3,
             Self::NotTheSame(_) => 4,
             #[cfg(feature = "viewer")]
             Self::Watch(why) => match why {
@@ -140,6 +146,7 @@ pub fn main() -> ExitCode {
         None => watch::Watch::default().run(),
         Some(Command::Watch(command)) => command.run(),
         Some(Command::Grow(command)) => command.run(),
+        Some(Command::Gallery(command)) => command.run(),
         Some(Command::Compare(command)) => command.run(),
         Some(Command::Probe(command)) => command.run(),
         Some(Command::Why(command)) => command.run(),

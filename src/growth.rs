@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Germinate  open new seeds · look around once
-//! Generate   wake lateral buds · extend shoots (steered) · form nodes · unfold leaves · thicken wood
+//! Generate   wake lateral buds · extend shoots (steered) · form nodes · unfold leaves · thicken and bend wood
 //! Update     photosynthesise · pay upkeep · shed liabilities · share surplus
 //! Sense      gather scene and probes · look around · choose growth targets
 //! Finish     close the books · count the step
@@ -15,9 +15,11 @@ pub mod buds;
 pub mod energy;
 pub mod explain;
 pub mod finish;
+pub mod forecast;
 pub mod generation;
 pub mod liabilities;
 pub mod nodes;
+pub mod sag;
 pub mod sensing;
 pub mod share;
 pub mod shoots;
@@ -108,6 +110,7 @@ fn growth_step() -> Schedule {
             nodes::form_nodes,
             nodes::unfold_leaves,
             wood::thicken_wood,
+            sag::bend_stems,
             generation::shed_condemned,
             generation::derive_poses,
             time_stage::<{ Stage::Generate as usize }>,

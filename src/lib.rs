@@ -58,9 +58,9 @@
 //! | feature | adds |
 //! |---|---|
 //! | none | the core: everything on this page |
-//! | `render` | room for plants drawn in any Bevy app; nothing yet |
+//! | `render` | plants drawn in any Bevy app |
 //! | `cli` | the command line, `burgeon` |
-//! | `viewer` (default) | `render` and `cli`; the window is still to come |
+//! | `viewer` (default) | `render`, `cli` and the window |
 //!
 //! # Limits
 //!

@@ -1,5 +1,6 @@
 //! Geometry from a [`Snapshot`](crate::plant::Snapshot): branch tubes, leaf surfaces, no rendering.
 
+pub mod bark;
 pub mod foliage;
 pub mod leaves;
 pub mod outline;

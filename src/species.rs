@@ -7,6 +7,8 @@ pub mod parameter;
 
 use bevy::prelude::*;
 
+use crate::shape::bark::BarkPattern;
+use crate::shape::foliage::FoliageForm;
 use crate::shape::outline::LeafOutline;
 use crate::tropism::Spread;
 use parameter::{ByOrder, Color, Range, parameters};
@@ -35,10 +37,8 @@ parameters! {
     /// The parameters of a kind of plant.
     pub struct Species {
         // Form
-        /// Angle at which a side axis leaves its parent stem.
-        branching_angle_deg: f32 = 50.0, "deg", Range::real(0.0, 180.0);
-        /// Branching angle by order of the parent axis; empty: the one angle everywhere.
-        branching_angles_deg: ByOrder = ByOrder::none(), "deg", Range::real(0.0, 180.0);
+        /// Angle at which a side axis leaves its parent stem, by order of that.
+        branching_angle_deg: ByOrder = ByOrder::all(50.0), "deg", Range::real(0.0, 180.0);
         /// Widest turn of a bud in one step: the half angle of the cone it searches.
         bending_angle_deg: f32 = 40.0, "deg", Range::real(0.0, 180.0);
         /// Angle about the stem from one leaf to the next.
@@ -55,6 +55,10 @@ parameters! {
         leaves_per_node: u32 = 3, "", Range::whole(0, 12);
         /// Lateral buds formed at a node.
         lateral_buds_per_node: u32 = 0, "", Range::whole(0, 12);
+        /// Lateral buds in a ring at the end of a growth unit, by order of the axis that bears them: whorls.
+        whorl_buds: ByOrder = ByOrder::all(0.0), "", Range::real(0.0, 24.0);
+        /// Planation: how far buds of a level axis turn into the level plane, by its order; 0 not, 1 wholly.
+        planation: ByOrder = ByOrder::all(0.0), "", Range::real(0.0, 1.0);
         /// Apical buds formed at a node, besides the one that goes on if the axis continues.
         apical_buds_per_node: u32 = 3, "", Range::whole(0, 12);
         /// Whether the bud that forms a node goes on as the same axis; if not, it ends in its node's buds.
@@ -69,10 +73,18 @@ parameters! {
         leaf_width_m: f32 = 0.06, "m", Range::real(0.001, 10.0);
         /// Outline of the blade.
         leaf_outline: LeafOutline = LeafOutline::Elliptic, "", Range::any();
-        /// Blades a leaf organ stands for, fanned about its stalk; a tall tree cannot carry every leaf.
+        /// Blades a leaf organ stands for; a tall tree cannot carry every leaf.
         leaf_cluster: u32 = 1, "", Range::whole(1, 64);
+        /// How the blades of a leaf organ stand on the stalk they share.
+        foliage: FoliageForm = FoliageForm::Tuft, "", Range::any();
+        /// Length of that stalk; 0: as short as the blades allow.
+        foliage_length_m: f32 = 0.0, "m", Range::real(0.0, 10.0);
+        /// How far blades and the end of their stalk hang: 0 not, 1 straight down.
+        leaf_hang: f32 = 0.0, "", Range::real(0.0, 1.0);
         /// Angle of a leaf to its stem.
         leaf_angle_deg: f32 = 60.0, "deg", Range::real(0.0, 180.0);
+        /// Angle by which a leaf sinks away from its stem each step, up to 150 degrees.
+        leaf_droop_deg: f32 = 0.0, "deg/step", Range::real(0.0, 180.0);
         /// Life of a leaf; 0: until it is shed.
         leaf_life_steps: u32 = 0, "steps", Range::whole(0, 10_000);
         /// Largest part of a leaf's final size grown in one step.
@@ -87,14 +99,20 @@ parameters! {
         dormancy_energy: f32 = 0.0, "energy", Range::real(0.0, 1.0e6);
         /// Steps a bud waits for enough light and energy before it dies; 0: for ever.
         patience_steps: u32 = 0, "steps", Range::whole(0, 10_000);
-        /// Acrotony: demand of a bud at the base of its growth unit relative to one at the tip.
+        /// Where in a growth unit buds demand most: 1 its tip (acrotony), 0.5 its middle (mesotony), 0 its base (basitony).
+        favoured_rank: f32 = 1.0, "", Range::real(0.0, 1.0);
+        /// Demand of the bud farthest from the favoured place relative to one there.
         acrotony_base: f32 = 1.0, "", Range::real(0.0, 1.0);
-        /// Acrotony: power at which demand rises from base to tip.
+        /// Power at which demand rises towards the favoured place.
         acrotony_power: f32 = 1.0, "", Range::real(0.0, 10.0);
+        /// Epitony: demand of buds on the upper side of a level axis above that at its flanks; below 0 the lower side's.
+        epitony: f32 = 0.0, "", Range::real(-1.0, 1.0);
         /// Chance a step that the terminal bud of a grown axis dies, by order (sympodial growth).
         terminal_death: ByOrder = ByOrder::all(0.0), "", Range::real(0.0, 1.0);
-        /// Angle between the two shoots that follow a dead terminal bud and its axis.
+        /// Angle between the shoots that follow a dead terminal bud and its axis.
         fork_angle_deg: f32 = 33.0, "deg", Range::real(0.0, 180.0);
+        /// Shoots that follow a dead terminal bud.
+        fork_shoots: u32 = 2, "", Range::whole(1, 6);
 
         // Choosing where to grow
         /// Which reading of a cube map counts as light.
@@ -109,10 +127,16 @@ parameters! {
         weight_set_point: ByOrder = ByOrder::all(0.0), "", Range::real(0.0, 100.0);
         /// Set-point angle to the vertical by order: 0 up, 90 level, 180 down.
         set_point_deg: ByOrder = ByOrder::all(0.0), "deg", Range::real(0.0, 180.0);
+        /// Set-point angle when the plant is old, by order; empty: as when it is young.
+        set_point_old_deg: ByOrder = ByOrder::none(), "deg", Range::real(0.0, 180.0);
+        /// Height above the ground at which shoots of side axes stop; 0: they stop on it.
+        ground_clearance_m: f32 = 0.0, "m", Range::real(0.0, 100.0);
         /// Positions a bud compares, the straight one included.
         candidates: u32 = 17, "", Range::whole(1, 256);
         /// Whether light and space are stretched to 0..1 over the candidates before they are weighed.
         rescale_fitness: bool = true, "", Range::any();
+        /// Side of the cubes in which leaves, and buds that make no long shoot, share one look around; 0: each its own.
+        light_cell_m: f32 = 0.0, "m", Range::real(0.0, 10.0);
         /// Distance beyond which free space no longer counts.
         space_range_m: f32 = 1.0, "m", Range::real(0.01, 1000.0);
         /// Disturbance: random crookedness of a new shoot, standard deviation, not corrected before it is sensed.
@@ -159,6 +183,14 @@ parameters! {
         apical_control_least: f32 = 0.0, "", Range::real(0.0, 1.0);
         /// Most internodes a bud grows in one step, by order.
         flush_internodes: ByOrder = ByOrder::all(4.0), "", Range::real(0.0, 100.0);
+        /// Most internodes a bud grows in one step when the plant is old, by order; empty: as when it is young.
+        flush_old: ByOrder = ByOrder::none(), "", Range::real(0.0, 100.0);
+        /// Steps over which a plant ages: what it does when old sets in evenly; 0: it never ages.
+        ageing_steps: u32 = 0, "steps", Range::whole(0, 10_000);
+        /// Height at which water no longer rises and nothing grows; 0: none.
+        height_limit_m: f32 = 0.0, "m", Range::real(0.0, 1000.0);
+        /// Power at which growth fades towards that height: low early, high only near it.
+        height_limit_power: f32 = 3.0, "", Range::real(0.1, 20.0);
         /// Vigour (in internodes) below which a bud stays dormant.
         vigour_short: f32 = 0.25, "internodes", Range::real(0.0, 1.0);
         /// Length of the internode of a short shoot relative to a full one.
@@ -177,6 +209,8 @@ parameters! {
         pipe_exponent: f32 = 2.2, "", Range::real(1.0, 5.0);
         /// Radius of a stem that bears nothing yet.
         twig_radius_m: f32 = 0.006, "m", Range::real(0.0001, 1.0);
+        /// Stiffness of wood under years of load, by order: low hangs, 2 holds; 0: no load bends it.
+        stiffness_gpa: ByOrder = ByOrder::all(0.0), "GPa", Range::real(0.0, 1000.0);
 
         // Steering
         /// Sub-steps until a correction takes effect: 0 at once, 1 to 4 livens a stem, more swings in long waves.
@@ -213,8 +247,18 @@ parameters! {
         steps_per_year: u32 = 1, "1/year", Range::whole(1, 366);
 
         // Looks
-        /// Colour of bark, sRGB.
+        /// Colour of bark on stout stems, sRGB.
         bark_color: Color = Color::hex(0x6B6155), "", Range::real(0.0, 1.0);
+        /// Colour of bark on twigs, sRGB.
+        bark_young_color: Color = Color::hex(0x6B6155), "", Range::real(0.0, 1.0);
+        /// Colour of streaks, cracks and rings in bark, sRGB.
+        bark_mark_color: Color = Color::hex(0x3A342C), "", Range::real(0.0, 1.0);
+        /// Radius of a stem from which its bark is old; 0: it always is.
+        bark_old_radius_m: f32 = 0.0, "m", Range::real(0.0, 10.0);
+        /// What old bark is like.
+        bark_pattern: BarkPattern = BarkPattern::Furrowed, "", Range::any();
+        /// Whether it keeps leaves in winter; others are shown bare then.
+        evergreen: bool = false, "", Range::any();
         /// Colour of leaves, sRGB.
         leaf_color: Color = Color::hex(0x4A7A28), "", Range::real(0.0, 1.0);
     }
@@ -231,11 +275,35 @@ impl Species {
 
     /// Branching angle of a side axis of a parent of this order, radians.
     pub fn branching_angle(&self, parent_order: u32) -> f32 {
-        self.branching_angles_deg.at(parent_order).unwrap_or(self.branching_angle_deg).to_radians()
+        self.branching_angle_deg.get(parent_order).to_radians()
+    }
+
+    /// How old a plant is, 0 as a seedling to 1 from the end of its ageing on.
+    pub fn maturity(&self, age: u32) -> f32 {
+        if self.ageing_steps == 0 { 0.0 } else { (age as f32 / self.ageing_steps as f32).min(1.0) }
+    }
+
+    /// Set-point angle of an axis of a plant as old as that, radians.
+    pub fn set_point(&self, order: u32, maturity: f32) -> f32 {
+        aged(&self.set_point_deg, &self.set_point_old_deg, order, maturity).to_radians()
+    }
+
+    /// Most internodes a bud of a plant as old as that grows in a step.
+    pub fn flush(&self, order: u32, maturity: f32) -> f32 {
+        aged(&self.flush_internodes, &self.flush_old, order, maturity)
     }
 
     /// Area of the largest leaf organ, all its blades together, square metres.
     pub fn leaf_area(&self) -> f32 {
-        self.leaf_length_m * self.leaf_width_m * self.leaf_outline.fill() * self.leaf_cluster as f32
+        self.leaf_length_m
+            * self.leaf_width_m
+            * self.leaf_outline.fill()
+            * self.foliage.blades(self.leaf_cluster)
     }
+}
+
+/// A value between that of a young plant and that of an old one, if that differs.
+fn aged(young: &ByOrder, old: &ByOrder, order: u32, maturity: f32) -> f32 {
+    let from = young.get(order);
+    old.at(order).map_or(from, |old| from + (old - from) * maturity)
 }

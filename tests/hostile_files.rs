@@ -41,6 +41,8 @@ fn fits(p: &Parameter, value: &Value) -> bool {
         (Value::Flag(_), Value::Flag(_)) => true,
         (Value::List(_), Value::List(xs)) if p.name.ends_with("_color") => xs.len() == 3 && each(xs),
         (Value::List(_), Value::List(xs)) => each(xs),
+        (Value::List(_), Value::Real(x)) => !p.name.ends_with("_color") && each(&[*x]),
+        (Value::List(_), Value::Whole(n)) => !p.name.ends_with("_color") && each(&[f64::from(*n)]),
         (Value::Choice(_), Value::Choice(name)) => p.choices.contains(&name.as_str()),
         _ => false,
     }
@@ -283,7 +285,7 @@ fn settings_change_one_thing_or_nothing() {
         assert_ne!(garden, start, "{setting}");
         garden
     };
-    assert_eq!(good("species.branching_angle_deg=45").species["oak"].branching_angle_deg, 45.0);
+    assert_eq!(good("species.branching_angle_deg=45").species["oak"].branching_angle_deg, [45.0].into());
     assert_eq!(good("species.oak.allocation = ByExposure").species["oak"].allocation, Default::default());
     assert_eq!(good("species.terminal_death=[0.1, 0.2]").species["oak"].terminal_death, [0.1, 0.2].into());
     assert!(!good("scenario.ground=false").scenario.ground);

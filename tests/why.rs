@@ -168,7 +168,7 @@ fn species_edits_go_on_or_regrow_and_can_be_undone() {
     }
     let mut other = quick("figure_1d");
     let species = other.species.get_mut("lam_king").unwrap();
-    species.branching_angle_deg = 25.0;
+    species.branching_angle_deg = [25.0].into();
     species.leaves_per_node = 2;
     let always = self::timeline(other, 4, 6);
     assert_eq!(timeline.hash(6), always.hash(6));

@@ -30,7 +30,10 @@ impl Describe {
     pub fn run(&self) -> Result<(), Failure> {
         let library = library(&self.assets)?;
         match self.name.as_deref() {
-            None => names(&library),
+            None => {
+                names(&library);
+                Ok(())
+            }
             Some("species") => {
                 table(Species::parameters(), None);
                 Ok(())
@@ -63,19 +66,24 @@ fn file(library: &Library, name: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-fn names(library: &Library) -> Result<(), Failure> {
+fn names(library: &Library) {
     say("Species");
     for name in library.species_names() {
-        say(format_args!("  {name:12} {}", library.species(&name)?.description));
+        match library.species(&name) {
+            Ok(species) => say(format_args!("  {name:16} {}", species.description)),
+            Err(why) => say(format_args!("  {name:16} {why}")),
+        }
     }
     say("\nScenarios");
     for name in library.scenario_names() {
-        say(format_args!("  {name:12} {}", library.scenario(&name)?.scenario.description));
+        match library.scenario(&name) {
+            Ok(found) => say(format_args!("  {name:16} {}", found.scenario.description)),
+            Err(why) => say(format_args!("  {name:16} {why}")),
+        }
     }
     say(
         "\n`burgeon describe NAME` shows one, `describe species` and `describe scenario` all that can be set.",
     );
-    Ok(())
 }
 
 fn species(species: &Species) {

@@ -142,8 +142,11 @@ impl Grow {
                 save.display()
             )));
         }
+        let (inside, outside): (Vec<_>, Vec<_>) =
+            self.save.iter().partition(|save| save.parent() == Some(folder.path()));
+        output::can_write(outside.into_iter())?;
         folder.create()?;
-        output::can_write(self.save.iter())?;
+        output::can_write(inside.into_iter())?;
 
         let mut reel = Reel::default();
         growing.grow(steps, |step, garden| {

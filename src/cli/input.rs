@@ -22,6 +22,14 @@ pub struct Input {
     /// A scenario by name, a scenario file, or the run.ron of an earlier run [default: wall].
     scenario: Option<String>,
 
+    /// Grow one plant of this species alone in an open field instead.
+    #[arg(long, value_name = "NAME", conflicts_with = "scenario")]
+    species: Option<String>,
+
+    /// Years to grow it.
+    #[arg(long, value_name = "YEARS", requires = "species", conflicts_with = "steps")]
+    age: Option<u32>,
+
     #[command(flatten)]
     pub common: Common,
 }
@@ -43,7 +51,7 @@ pub struct Common {
 
     /// Change a setting: species.X, species.NAME.X, scenario.X or lamp.NAME.X; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
-    set: Vec<String>,
+    pub set: Vec<String>,
 
     /// Stop when this much is reached and keep what has grown: organs=N, probes=N, steps=N or memory=BYTES.
     #[arg(long = "limit", value_name = "WHAT=N")]
@@ -91,15 +99,15 @@ pub struct Plan {
 impl Input {
     /// A scenario grown like others.
     pub fn of(scenario: &str, common: &Common) -> Self {
-        Self { scenario: Some(scenario.into()), common: common.clone() }
+        Self { scenario: Some(scenario.into()), common: common.clone(), ..Self::default() }
     }
 
     /// Another scenario than the usual, where none is named.
     #[cfg(feature = "viewer")]
     pub fn or(&self, scenario: &str) -> Self {
         Self {
-            scenario: self.scenario.clone().or_else(|| Some(scenario.into())),
-            common: self.common.clone(),
+            scenario: self.scenario.clone().or_else(|| self.species.is_none().then(|| scenario.into())),
+            ..self.clone()
         }
     }
 
@@ -111,8 +119,16 @@ impl Input {
 
     /// Reads and checks everything; writes nothing.
     pub fn plan(&self) -> Result<Plan, Failure> {
-        let opened =
-            library(&self.common.assets)?.open(self.scenario.as_deref().unwrap_or(DEFAULT_SCENARIO))?;
+        let library = library(&self.common.assets)?;
+        let opened = match &self.species {
+            Some(name) => {
+                let (mut resolved, year) = super::gallery::alone(&library, name)?;
+                let years = self.age.unwrap_or(resolved.scenario.steps);
+                resolved.scenario.steps = years.saturating_mul(year).min(limits::STEPS);
+                Opened::Scenario(Box::new(resolved))
+            }
+            None => library.open(self.scenario.as_deref().unwrap_or(DEFAULT_SCENARIO))?,
+        };
         let (mut resolved, steps, seed, run) = match opened {
             Opened::Scenario(resolved) => {
                 let steps = resolved.scenario.steps;

@@ -71,10 +71,13 @@ fn tempfile_in(folder: &Path) -> std::io::Result<()> {
 }
 
 impl Folder {
-    /// Whether a path is that of one of these files in it.
+    /// Whether a path is its own, or that of one of these files in it.
     pub fn holds(&self, path: &Path, names: &[&str]) -> bool {
         let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-        names.iter().any(|name| whole(&self.path.join(name)) == whole(path))
+        // A path is told by its parts: `o/` is `o`.
+        let path = whole(path).components().collect::<PathBuf>();
+        let own = std::iter::once(self.path.clone()).chain(names.iter().map(|name| self.path.join(name)));
+        own.map(|own| whole(&own).components().collect::<PathBuf>()).any(|own| own == path)
     }
 
     /// Makes the folder, and makes sure that it can be written to.

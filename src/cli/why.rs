@@ -97,12 +97,20 @@ impl Why {
         let mut timeline = Timeline::new(plan.resolved, plan.seed, library, workers)?;
         timeline.set_limits(self.input.common.limits());
         let bar = progress(u64::from(plan.steps), "step");
-        while timeline.present() < plan.steps {
-            timeline.advance()?;
-            bar.inc(1);
+        let (mut stopped, mut lapsed) = (None, None);
+        while timeline.present() < plan.steps && stopped.is_none() {
+            match timeline.advance() {
+                Ok(_) => bar.inc(1),
+                Err(why) => stopped = Some(why),
+            }
+            // `grow` stops at an edit that cannot be made; so does this.
+            if let Some((edit, why)) = timeline.lapsed().next() {
+                lapsed = Some((edit.step, why.to_owned()));
+                break;
+            }
         }
         bar.finish_and_clear();
-        let step = timeline.present();
+        let step = lapsed.as_ref().map_or(timeline.present(), |(step, _)| *step);
         let birth = self.bud.or_else(|| highest_bud(&timeline.now())).unwrap_or_default();
         // What comes of it shows in the step after; a limit that stands in its way hides only that.
         let _ = timeline.advance();
@@ -122,7 +130,11 @@ impl Why {
         } else {
             told.sentences.iter().for_each(say);
         }
-        Ok(())
+        match (stopped, lapsed) {
+            (Some(stopped), _) => Err(stopped.into()),
+            (None, Some((step, why))) => Err(Failure::Lapsed { step, why }),
+            (None, None) => Ok(()),
+        }
     }
 }
 

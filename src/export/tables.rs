@@ -154,7 +154,7 @@ fn organ_row(snapshot: &Snapshot, i: usize) -> OrganRow {
 }
 
 /// Columns of `steps.csv`, in order: the fields of [`StepRecord`], stages in seconds.
-pub const STEP_COLUMNS: [&str; 24] = [
+pub const STEP_COLUMNS: [&str; 25] = [
     "step",
     "organs",
     "internodes",
@@ -175,6 +175,7 @@ pub const STEP_COLUMNS: [&str; 24] = [
     "wood",
     "lost",
     "store",
+    "allotted",
     "generate_s",
     "update_s",
     "sense_s",
@@ -200,7 +201,7 @@ pub fn write_steps(steps: &[StepRecord], writer: impl Write) -> Result<(), Expor
             form.lateral_buds,
         ];
         let lengths = [form.height_m, form.crown_width_m, form.crown_base_m, form.trunk_diameter_m];
-        let energy = [step.income, step.upkeep, step.growth, step.wood, step.lost, step.store];
+        let energy = [step.income, step.upkeep, step.growth, step.wood, step.lost, step.store, step.allotted];
         let seconds = &step.seconds;
         let seconds = [seconds.generate, seconds.update, seconds.sense, seconds.finish];
         let foliage = [form.leaf_area_m2, form.mean_light];

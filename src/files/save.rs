@@ -20,7 +20,7 @@ use crate::limits;
 use crate::scenario::GardenSaveError;
 
 const MAGIC: [u8; 8] = *b"BURGEON\x1a";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const HEADER: usize = 8 + 4 + 8 + 4;
 
 /// What is wrong with a save; nothing of it was used.
@@ -134,7 +134,16 @@ pub fn write_save<T: Serialize>(path: &Path, value: &T) -> Result<(), SaveError>
 pub fn read_save<T: DeserializeOwned>(path: &Path) -> Result<T, SaveError> {
     let file = path.display().to_string();
     let io = |source| SaveError::Io { file: file.clone(), source };
+    // A pipe would be waited for, a device never ends.
+    if !std::fs::metadata(path).map_err(io)?.is_file() {
+        return Err(SaveError::NotASave { file });
+    }
     let mut reader = File::open(path).map_err(io)?;
+    if !is_save(path) {
+        let mut start = Vec::new();
+        reader.take(HEADER as u64).read_to_end(&mut start).map_err(io)?;
+        return decode(&start, file);
+    }
     let present = reader.metadata().map_err(io)?.len();
     let most = limits::SAVE_BYTES + HEADER as u64;
     if present > most {
@@ -149,7 +158,8 @@ pub fn read_save<T: DeserializeOwned>(path: &Path) -> Result<T, SaveError> {
 /// Whether a file begins as a save does.
 pub fn is_save(path: &Path) -> bool {
     let mut start = [0; MAGIC.len()];
-    File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == MAGIC
+    let is_file = std::fs::metadata(path).is_ok_and(|there| there.is_file());
+    is_file && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == MAGIC
 }
 
 fn decode<T: DeserializeOwned>(bytes: &[u8], file: String) -> Result<T, SaveError> {

@@ -103,7 +103,7 @@ pub fn germinate(world: &mut World) {
     }
 }
 
-fn first_shoot_cost(species: &crate::species::Species) -> f32 {
+pub(super) fn first_shoot_cost(species: &crate::species::Species) -> f32 {
     match species.allocation {
         crate::species::Allocation::ByExposure => species.extension_m * species.shoot_cost,
         crate::species::Allocation::ByVigour => {

@@ -1,5 +1,6 @@
 //! Nodes: rule 2 (`A -> N [L B] [A]`), and the leaves that unfold there (`LK-5`, `LK-8`).
 
+use bevy::math::ops;
 use bevy::prelude::*;
 
 use super::birth::Newborn;
@@ -7,8 +8,8 @@ use super::generation::Condemned;
 use super::{Mechanisms, StepCount};
 use crate::chance::{self, Purpose};
 use crate::plant::{
-    Allotment, ApicalBud, BranchOrder, Cause, EnergyLedger, EnergyStore, Exposure, GrowthSpan, GrowthTarget,
-    Identity, LateralBud, Leaf, LeafState, Lineage, Node, OrganKind, Plant, Pose, Roster, pose,
+    Allotment, ApicalBud, Attachment, BranchOrder, Cause, EnergyLedger, EnergyStore, Exposure, GrowthSpan,
+    GrowthTarget, Identity, LateralBud, Leaf, LeafState, Lineage, Node, OrganKind, Plant, Pose, Roster, pose,
 };
 use crate::species::{Allocation, Species};
 use crate::tropism::Steering;
@@ -77,14 +78,46 @@ pub fn layout(species: &Species, phyllotaxis: f32, order: u32) -> Vec<NodeOrgan>
     organs
 }
 
-/// The two shoots that follow a terminal bud that died: of its order, on both sides of its axis.
-pub fn fork(species: &Species, phyllotaxis: f32) -> [NodeOrgan; 2] {
-    let angle = species.fork_angle_deg.to_radians();
-    [0.0, core::f32::consts::PI].map(|side| NodeOrgan {
+/// The ring of lateral buds at the end of a growth unit.
+pub fn whorl(species: &Species, phyllotaxis: f32, order: u32) -> impl Iterator<Item = NodeOrgan> {
+    let buds = if order < species.max_order { species.whorl_buds.get(order).round() as u32 } else { 0 };
+    let branching = species.branching_angle(order);
+    (0..buds).map(move |k| NodeOrgan {
+        kind: OrganKind::LateralBud,
+        attachment: leaving(phyllotaxis + core::f32::consts::TAU * k as f32 / buds as f32, branching),
+        order: 1,
+    })
+}
+
+/// The shoots that follow a terminal bud that died: of its order, spread about its axis.
+pub fn fork(species: &Species, phyllotaxis: f32) -> impl Iterator<Item = NodeOrgan> {
+    let (angle, shoots) = (species.fork_angle_deg.to_radians(), species.fork_shoots);
+    (0..shoots).map(move |k| NodeOrgan {
         kind: OrganKind::ApicalBud,
-        attachment: leaving(phyllotaxis + side, angle),
+        attachment: leaving(phyllotaxis + core::f32::consts::TAU * k as f32 / shoots as f32, angle),
         order: 0,
     })
+}
+
+/// Planation: an organ of a stem turned about it towards the level plane, by `planation` (0..1) where the stem is
+/// level, less where it rises, not at all where it is upright.
+pub fn planated(stem: Quat, attachment: Quat, planation: f32) -> Quat {
+    let level = (stem * Vec3::Y).cross(Vec3::Y);
+    let lying = level.length();
+    let now = attachment * Vec3::Y;
+    if planation <= 0.0 || lying < 1e-3 || now.xz().length_squared() < 1e-6 {
+        return attachment;
+    }
+    let flank = stem.inverse() * (level / lying);
+    let flank = if now.dot(flank) < 0.0 { -flank } else { flank };
+    let turn = ops::atan2(now.cross(flank).y, now.xz().dot(flank.xz()));
+    Quat::from_rotation_y(turn * planation * lying.min(1.0)) * attachment
+}
+
+/// Epitony: demand of a bud by the side of its stem it sits on, 1 at the flanks.
+pub fn favour(stem: Quat, attachment: Quat, epitony: f32) -> f32 {
+    let outwards = (attachment * Vec3::Y).with_y(0.0).normalize_or_zero();
+    (1.0 + epitony * (stem * outwards).y).max(0.0)
 }
 
 /// Forms the organs of fresh nodes. The bud that made the node goes on, or ends in its organs.
@@ -110,7 +143,13 @@ pub fn form_nodes(
         let mut organs = layout(species, node.phyllotaxis, order.0);
         let lineage = node_lineage(identity.lineage, node.node);
         let mut spread = chance::stream(plant.seed, lineage, step.0, Purpose::Divergence);
+        if node.ends_unit {
+            organs.extend(whorl(species, node.phyllotaxis, order.0));
+        }
         for organ in &mut organs {
+            if organ.kind == OrganKind::LateralBud {
+                organ.attachment = planated(stem.rotation, organ.attachment, species.planation.get(order.0));
+            }
             organ.attachment *= strayed(species, &mut spread);
         }
         let mut rng = chance::stream(plant.seed, identity.lineage, step.0, Purpose::TerminalDeath);
@@ -147,6 +186,7 @@ pub fn form_nodes(
                     let bud = LateralBud {
                         dormancy: species.dormancy_steps,
                         rank: node.rank,
+                        favour: favour(stem.pose.rotation, organ.attachment, species.epitony),
                         ..Default::default()
                     };
                     let state = (bud, target, inherited, Allotment(0.0));
@@ -167,6 +207,14 @@ pub fn form_nodes(
             condemned.0.push((identity.birth, if dies { Cause::Aborted } else { Cause::Branched }));
         }
     }
+}
+
+/// A leaf sunk away from its stem by an angle (radians), not beyond [`LOWEST`].
+pub fn drooped(attachment: Quat, by: f32) -> Quat {
+    /// Lower no leaf hangs.
+    const LOWEST: f32 = 150.0 / 180.0 * core::f32::consts::PI;
+    let angle = (attachment * Vec3::Y).angle_between(Vec3::Y);
+    attachment * Quat::from_rotation_x(by.min(LOWEST - angle).max(0.0))
 }
 
 /// A chance turn of an organ: sideways and away from its stem.
@@ -190,15 +238,20 @@ pub fn unfold_leaves(
     mechanisms: Res<Mechanisms>,
     plants: Query<&Plant>,
     mut ledgers: Query<&mut EnergyLedger>,
-    mut leaves: Query<(&Identity, &mut Leaf, &mut Allotment)>,
+    mut leaves: Query<(&Identity, &mut Leaf, &mut Allotment, &mut Attachment)>,
 ) {
     for i in 0..roster.len() {
         if roster.kind[i] != OrganKind::Leaf {
             continue;
         }
-        let Ok((identity, mut leaf, mut allotment)) = leaves.get_mut(roster.entity[i]) else { continue };
+        let Ok((identity, mut leaf, mut allotment, mut attachment)) = leaves.get_mut(roster.entity[i]) else {
+            continue;
+        };
         let Ok(plant) = plants.get(identity.plant) else { continue };
         let species = &plant.species;
+        if species.leaf_droop_deg > 0.0 {
+            attachment.0 = drooped(attachment.0, species.leaf_droop_deg.to_radians());
+        }
         if leaf.state == LeafState::Growing {
             let room = (1.0 - leaf.size).min(species.leaf_growth);
             let growth = if mechanisms.energy { (allotment.0 / species.leaf_cost).min(room) } else { room };

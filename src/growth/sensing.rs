@@ -4,6 +4,7 @@
 //! [`render_cube_maps`] is a pure function of the job that [`gather_probes`] left, so a live host may run it on
 //! another thread between two steps with the same result.
 
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 use super::Mechanisms;
@@ -51,6 +52,8 @@ pub fn gather_probes(world: &mut World) {
     let roster = world.resource::<crate::plant::Roster>();
     let mut requests = Vec::new();
     let mut lookers = Vec::new();
+    // From where organs of a cell look: its first.
+    let mut lookouts: HashMap<(u32, IVec3), usize> = HashMap::new();
     if mechanisms.light || mechanisms.space {
         let leaves = axillant_leaves(&shot);
         let mut index = vec![usize::MAX; shot.len()];
@@ -58,9 +61,15 @@ pub fn gather_probes(world: &mut World) {
             if matches!(shot.state[i], OrganState::Leaf(_))
                 && let Some(request) = request(&shot, i, &settings, mechanisms)
             {
-                index[i] = requests.len();
-                lookers.push((roster.entity[i], requests.len()));
-                requests.push(request);
+                let here = match cell(&shot, i, request.probe.position) {
+                    Some(cell) => *lookouts.entry(cell).or_insert(requests.len()),
+                    None => requests.len(),
+                };
+                index[i] = here;
+                lookers.push((roster.entity[i], here));
+                if here == requests.len() {
+                    requests.push(request);
+                }
             }
         }
         for i in 0..shot.len() {
@@ -68,6 +77,7 @@ pub fn gather_probes(world: &mut World) {
                 continue;
             }
             let Some(request) = request(&shot, i, &settings, mechanisms) else { continue };
+            let shared = request.search.is_none().then(|| cell(&shot, i, request.probe.position)).flatten();
             let leaf = match shot.parent[i] {
                 NO_PARENT => u32::MAX,
                 stem => leaves[stem as usize],
@@ -75,8 +85,14 @@ pub fn gather_probes(world: &mut World) {
             if request.search.is_none() && leaf != u32::MAX && index[leaf as usize] != usize::MAX {
                 lookers.push((roster.entity[i], index[leaf as usize]));
             } else {
-                lookers.push((roster.entity[i], requests.len()));
-                requests.push(request);
+                let here = match shared {
+                    Some(cell) => *lookouts.entry(cell).or_insert(requests.len()),
+                    None => requests.len(),
+                };
+                lookers.push((roster.entity[i], here));
+                if here == requests.len() {
+                    requests.push(request);
+                }
             }
         }
     }
@@ -89,6 +105,12 @@ pub fn gather_probes(world: &mut World) {
         settings,
         keep_apart: mechanisms.space,
     });
+}
+
+/// The cell in which an organ that chooses no way shares its look around with others of its plant, if its species does so.
+fn cell(shot: &Snapshot, i: usize, position: Vec3) -> Option<(u32, IVec3)> {
+    let side = shot.plants[shot.plant[i] as usize].as_ref()?.species.light_cell_m;
+    (side > 0.0).then(|| (shot.plant[i], (position / side).floor().as_ivec3()))
 }
 
 /// The first living leaf on each stem segment, `u32::MAX` where there is none.
@@ -111,7 +133,11 @@ pub fn request(
 ) -> Option<SenseRequest> {
     let species = &*shot.plants[shot.plant[i] as usize].as_ref()?.species;
     let pose = shot.pose[i];
-    let will_grow = shot.allotment[i] > 0.0 || !mechanisms.energy;
+    // A short shoot goes on as it stands; it has no length to choose a way for.
+    let short = species.allocation == Allocation::ByVigour
+        && mechanisms.energy
+        && super::shoots::plan(species, shot.allotment[i]).closes;
+    let will_grow = (shot.allotment[i] > 0.0 || !mechanisms.energy) && !short;
     let (position, searches) = match shot.state[i] {
         OrganState::Internode(..) => return None,
         OrganState::ApicalBud(..) => (pose.position, will_grow),
@@ -143,6 +169,8 @@ pub fn request(
 
 fn search(species: &Species, shot: &Snapshot, i: usize, mechanisms: Mechanisms) -> Search {
     let order = shot.order[i];
+    let germinated = shot.plants[shot.plant[i] as usize].as_ref().and_then(|plant| plant.store.germinated);
+    let maturity = species.maturity(shot.step.saturating_sub(germinated.unwrap_or(shot.step)));
     let reach = match species.allocation {
         Allocation::ByExposure if mechanisms.energy => {
             (shot.allotment[i] / species.shoot_cost).min(species.extension_m)
@@ -160,7 +188,7 @@ fn search(species: &Species, shot: &Snapshot, i: usize, mechanisms: Mechanisms) 
         weight_space: species.weight_space,
         weight_heading: species.weight_heading,
         weight_set_point: species.weight_set_point.get(order),
-        set_point: species.set_point_deg.get(order).to_radians(),
+        set_point: species.set_point(order, maturity),
         rescale: species.rescale_fitness,
         light_on: mechanisms.light,
         space_on: mechanisms.space,

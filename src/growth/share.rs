@@ -6,8 +6,8 @@ use super::vigour::{self, Sink, SinkKind};
 use super::{Mechanisms, StepCount};
 use crate::chance::{self, Purpose};
 use crate::plant::{
-    Allotment, BranchOrder, EnergyFlow, EnergyLedger, EnergyStore, Exposure, Identity, LateralBud,
-    LateralBudState, Leaf, LeafState, NO_PARENT, OrganKind, Plant, Roster,
+    Allotment, BranchOrder, EnergyFlow, EnergyLedger, EnergyStore, Exposure, Identity, Internode, LateralBud,
+    LateralBudState, Leaf, LeafState, NO_PARENT, OrganKind, Plant, Pose, Roster,
 };
 use crate::species::{Allocation, Species};
 
@@ -51,7 +51,7 @@ enum Standing {
     /// A growing tip.
     Apical,
     /// A lateral bud that can break, with its place in its growth unit.
-    Dormant { rank: f32 },
+    Dormant { rank: f32, favour: f32 },
     /// A lateral bud that has broken or died, or an organ that is gone.
     Spent,
 }
@@ -63,6 +63,8 @@ struct Member {
     organ: u32,
     order: u32,
     light: f32,
+    /// Height above the foot of its plant, metres.
+    height: f32,
     standing: Standing,
 }
 
@@ -74,7 +76,7 @@ pub fn share_surplus(
     roster: Res<Roster>,
     plants: Query<&Plant>,
     mut books: Query<(&mut EnergyStore, &mut EnergyLedger)>,
-    stems: Query<&BranchOrder>,
+    stems: Query<(&BranchOrder, &Pose), With<Internode>>,
     mut organs: Query<(
         &BranchOrder,
         &EnergyFlow,
@@ -82,6 +84,7 @@ pub fn share_surplus(
         &mut Allotment,
         Option<&Leaf>,
         Option<&LateralBud>,
+        &Pose,
     )>,
     identities: Query<&Identity>,
 ) {
@@ -90,16 +93,20 @@ pub fn share_surplus(
     }
     let mut members: Vec<Vec<Member>> = vec![Vec::new(); roster.plants.len()];
     let mut reclaimed = vec![0.0_f64; roster.plants.len()];
+    let mut foot = vec![None; roster.plants.len()];
     // Where in its plant's list each organ stands.
     let mut place = Vec::with_capacity(roster.len());
     for i in 0..roster.len() {
         let (entity, plant) = (roster.entity[i], roster.plant[i] as usize);
         let organ = i as u32;
-        let gone = Member { organ, order: 0, light: 0.0, standing: Standing::Spent };
+        let gone = Member { organ, order: 0, light: 0.0, height: 0.0, standing: Standing::Spent };
         let member = if roster.kind[i] == OrganKind::Internode {
-            let order = stems.get(entity).map(|order| order.0);
-            order.map_or(gone, |order| Member { order, standing: Standing::Stem, ..gone })
-        } else if let Ok((order, flow, exposure, mut allotment, leaf, lateral)) = organs.get_mut(entity) {
+            stems.get(entity).map_or(gone, |(order, pose)| {
+                foot[plant].get_or_insert(pose.position.y);
+                Member { order: order.0, standing: Standing::Stem, ..gone }
+            })
+        } else if let Ok((order, flow, exposure, mut allotment, leaf, lateral, pose)) = organs.get_mut(entity)
+        {
             reclaimed[plant] += f64::from(allotment.0);
             allotment.0 = 0.0;
             let standing = match (leaf, lateral) {
@@ -108,12 +115,13 @@ pub fn share_surplus(
                     Standing::Leaf { income: flow.income, lacks }
                 }
                 (None, Some(bud)) if bud.state == LateralBudState::Dormant => {
-                    Standing::Dormant { rank: bud.rank }
+                    Standing::Dormant { rank: bud.rank, favour: bud.favour }
                 }
                 (None, Some(_)) => Standing::Spent,
                 (None, None) => Standing::Apical,
             };
-            Member { organ, order: order.0, light: exposure.light, standing }
+            let height = pose.position.y - *foot[plant].get_or_insert(pose.position.y);
+            Member { organ, order: order.0, light: exposure.light, height, standing }
         } else {
             gone
         };
@@ -146,7 +154,7 @@ pub fn share_surplus(
                     let mut stream = chance::stream(plant.seed, lineage, step.0, Purpose::Rounding);
                     Some(chance::unit(&mut stream))
                 };
-                share_by_vigour(mine, &vigours, store.stored, species, chance)
+                share_by_vigour(mine, &vigours, store.stored, age, species, chance)
             }
         };
         for (organ, share) in shares {
@@ -199,6 +207,7 @@ fn vigours(
     age: u32,
     species: &Species,
 ) -> Vec<f32> {
+    let rises = |member: &Member| vigour::height_factor(species, member.height);
     let sinks: Vec<Sink> = mine
         .iter()
         .zip(parents)
@@ -208,8 +217,11 @@ fn vigours(
                 Standing::Leaf { income, .. } => {
                     (SinkKind::Spent, income / species.leaf_income.max(f32::MIN_POSITIVE))
                 }
-                Standing::Apical => (SinkKind::Bud, member.light),
-                Standing::Dormant { rank } => (SinkKind::Bud, member.light * vigour::acrotony(species, rank)),
+                Standing::Apical => (SinkKind::Bud, member.light * rises(member)),
+                Standing::Dormant { rank, favour } => {
+                    let place = favour * vigour::acrotony(species, rank);
+                    (SinkKind::Bud, member.light * place * rises(member))
+                }
                 Standing::Spent => (SinkKind::Spent, 0.0),
             };
             Sink { parent, order: member.order, kind, demand }
@@ -233,9 +245,11 @@ fn share_by_vigour(
     mine: &[Member],
     vigours: &[f32],
     stored: f64,
+    age: u32,
     species: &Species,
     chance: impl Fn(&Member) -> Option<f32>,
 ) -> Vec<(u32, f32)> {
+    let maturity = species.maturity(age);
     let mut wishes: Vec<(u32, f32, f32)> = Vec::new();
     for (member, &vigour) in mine.iter().zip(vigours) {
         let is_bud = matches!(member.standing, Standing::Apical | Standing::Dormant { .. });
@@ -243,7 +257,9 @@ fn share_by_vigour(
             continue;
         }
         let Some(chance) = chance(member) else { continue };
-        let cost = vigour::shoot_cost(species, vigour, member.order, chance);
+        let rises = vigour::height_factor(species, member.height);
+        let most = species.flush(member.order, maturity) * rises;
+        let cost = vigour::shoot_cost(species, vigour, most, chance);
         if cost > 0.0 {
             wishes.push((member.organ, vigour, cost));
         }

@@ -128,6 +128,7 @@ pub fn extend(
             height_in_branch: tip.bud.height_in_branch,
             pipe: ops::powf(species.twig_radius_m, species.pipe_exponent),
             poor_steps: 0,
+            sag: 0.0,
         };
         segments.push(Segment {
             position: tip.position,
@@ -216,7 +217,8 @@ pub fn extend_shoots(
         let (mut wander, mut sensing) = (stream(Purpose::Wander), stream(Purpose::Steering));
         let heading = if target.heading == Vec3::ZERO { pose.heading() } else { target.heading };
         let plan = plan(species, energy);
-        let segments = extend(&mut tip, plan, heading, order.0, species, &solids, ground.0, |along| {
+        let floor = floor(species, ground.0, order.0, tip.position.y);
+        let segments = extend(&mut tip, plan, heading, order.0, species, &solids, floor, |along| {
             Influence::of(species, along, &mut sensing, &mut wander)
         });
         if segments.is_empty() {
@@ -290,8 +292,15 @@ pub fn extend_shoots(
     roster.retain(&stays);
 }
 
+/// Height at which a shoot that starts at height `from` stops as on the ground: side axes keep their species'
+/// clearance, or the half of their own height where that is less.
+pub fn floor(species: &Species, ground: Option<f32>, order: u32, from: f32) -> Option<f32> {
+    let clearance = if order == 0 { 0.0 } else { species.ground_clearance_m };
+    ground.map(|ground| ground + clearance.min(0.5 * (from - ground)).max(0.0))
+}
+
 /// Energy of a bud when energy is not modelled: all it can use.
-fn full_energy(species: &Species, order: u32) -> f32 {
+pub(super) fn full_energy(species: &Species, order: u32) -> f32 {
     match species.allocation {
         Allocation::ByExposure => species.extension_m * species.shoot_cost,
         Allocation::ByVigour => {
@@ -302,5 +311,5 @@ fn full_energy(species: &Species, order: u32) -> f32 {
 
 /// Lineage of the `k`-th internode a bud makes in a step.
 pub(super) fn segment_lineage(bud: Lineage, step: u32, k: u32) -> Lineage {
-    bud.child(1_000_000_000u32.wrapping_add(step.wrapping_mul(4096)).wrapping_add(k))
+    bud.child(1_000_000_000u32.wrapping_add(step)).child(k)
 }

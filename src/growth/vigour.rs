@@ -41,15 +41,26 @@ pub fn short_shoot_cost(species: &Species) -> f32 {
         + species.leaves_per_node as f32 * species.leaf_cost
 }
 
-/// Demand of a lateral bud by its place in the growth unit (0 base, 1 tip): acrotony.
+/// Demand of a lateral bud by its place in the growth unit (0 base, 1 tip): acrotony, mesotony or basitony.
 pub fn acrotony(species: &Species, rank: f32) -> f32 {
-    species.acrotony_base + (1.0 - species.acrotony_base) * ops::powf(rank, species.acrotony_power)
+    let favoured = species.favoured_rank;
+    let nearness = 1.0 - (rank - favoured).abs() / favoured.max(1.0 - favoured);
+    species.acrotony_base + (1.0 - species.acrotony_base) * ops::powf(nearness, species.acrotony_power)
+}
+
+/// What height leaves of a bud's growth: 1 on the ground, 0 where water no longer rises.
+pub fn height_factor(species: &Species, height: f32) -> f32 {
+    if species.height_limit_m <= 0.0 {
+        return 1.0;
+    }
+    let share = (height / species.height_limit_m).clamp(0.0, 1.0);
+    1.0 - ops::powf(share, species.height_limit_power)
 }
 
 /// Energy a bud is given for its vigour (in internodes): 1 and more makes a long shoot of a whole number of
-/// internodes, rounded by `chance` (0..1); less, a short shoot; below the species' least, nothing.
-pub fn shoot_cost(species: &Species, vigour: f32, order: u32, chance: f32) -> f32 {
-    let vigour = vigour.min(species.flush_internodes.get(order));
+/// internodes and at most `most`, rounded by `chance` (0..1); less, a short shoot; below the species' least, nothing.
+pub fn shoot_cost(species: &Species, vigour: f32, most: f32, chance: f32) -> f32 {
+    let vigour = vigour.min(most);
     if vigour >= 1.0 {
         let whole = vigour.floor();
         let whole = if chance < vigour - whole { whole + 1.0 } else { whole };

@@ -11,8 +11,8 @@ use crate::species::parameter::ParameterError;
 const COUNT: u32 = 1 << 30;
 /// Longest an internode may be, metres: a little over the most a species may ask for.
 const LONGEST: f32 = 10.1;
-/// Thickest a stem may be, metres; the finding of room walks every cell a stem passes.
-const THICKEST: f32 = 8.0;
+/// Thickest a stem may be, metres: far beyond any, and still a number to reckon with.
+const THICKEST: f32 = 1.0e5;
 
 /// Why a snapshot cannot be restored.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

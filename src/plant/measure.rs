@@ -126,6 +126,9 @@ pub struct StepRecord {
     pub lost: f64,
     /// Energy in the stores at its end.
     pub store: f64,
+    /// Energy set aside for organs at its end: with it the books balance, `income` is `upkeep` + `growth` + `lost`
+    /// and what `store` and this have gained.
+    pub allotted: f64,
     /// How long it took.
     pub seconds: StageSeconds,
 }
@@ -142,6 +145,7 @@ impl StepRecord {
             record.wood += plant.ledger.wood;
             record.lost += plant.ledger.lost;
             record.store += plant.store.stored;
+            record.allotted += plant.ledger.closed - plant.store.stored;
         }
         record
     }

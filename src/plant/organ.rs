@@ -32,6 +32,8 @@ pub struct Internode {
     pub pipe: f32,
     /// Steps in a row in which the axis that begins here earned too little for its wood.
     pub poor_steps: u32,
+    /// Angle by which load has bent it and wood has set, radians.
+    pub sag: f32,
 }
 
 /// Marks an internode that ends in a node.
@@ -71,7 +73,7 @@ pub enum LateralBudState {
 }
 
 /// A bud at the side of a stem (`LK-6`).
-#[derive(Component, Debug, Clone, Copy, PartialEq, Default, Reflect, Serialize, Deserialize)]
+#[derive(Component, Debug, Clone, Copy, PartialEq, Reflect, Serialize, Deserialize)]
 #[reflect(Component)]
 pub struct LateralBud {
     /// Dormant, growing or dead.
@@ -82,6 +84,14 @@ pub struct LateralBud {
     pub starved: u32,
     /// Where it sits in the growth unit that formed it: 0 at its base, 1 at its tip.
     pub rank: f32,
+    /// Demand by the side of its stem it sits on, 0 and more; 1 unless its species is epitonic.
+    pub favour: f32,
+}
+
+impl Default for LateralBud {
+    fn default() -> Self {
+        Self { state: LateralBudState::Dormant, dormancy: 0, starved: 0, rank: 0.0, favour: 1.0 }
+    }
 }
 
 /// What a leaf is doing (`LK-8`).

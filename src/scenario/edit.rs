@@ -188,8 +188,8 @@ pub fn apply(world: &mut World, edit: &Edit) -> Result<EditOutcome, EditError> {
         Edit::PlaceSolid(solid) => {
             place::finite("at", solid.at)?;
             free_name(world, &solid.name)?;
-            place::set_solid(world, solid);
-            shed_count = crush(world);
+            let entity = place::set_solid(world, solid);
+            shed_count = crush(world, entity);
         }
         Edit::PlaceLamp(lamp) => {
             place::finite("at", lamp.at)?;
@@ -203,7 +203,7 @@ pub fn apply(world: &mut World, edit: &Edit) -> Result<EditOutcome, EditError> {
                 transform.translation = *to;
                 transform.rotation = Quat::from_rotation_y(turn_deg.to_radians());
             }
-            shed_count = crush(world);
+            shed_count = crush(world, entity);
         }
         Edit::Pose { name, to, rotation_deg, scale } => {
             place::finite("to", *to)?;
@@ -213,7 +213,7 @@ pub fn apply(world: &mut World, edit: &Edit) -> Result<EditOutcome, EditError> {
             if let Some(mut transform) = world.get_mut::<Transform>(entity) {
                 *transform = posed(*to, *rotation_deg, *scale);
             }
-            shed_count = crush(world);
+            shed_count = crush(world, entity);
         }
         Edit::Duplicate { name, copy, to } => {
             place::finite("to", *to)?;
@@ -228,7 +228,8 @@ pub fn apply(world: &mut World, edit: &Edit) -> Result<EditOutcome, EditError> {
             if let Some(lamp) = lamp {
                 twin.insert(lamp);
             }
-            shed_count = crush(world);
+            let twin = twin.id();
+            shed_count = crush(world, twin);
         }
         Edit::Shine { name, strength, radius } => {
             place::finite("strength", Vec3::splat(*strength))?;
@@ -327,10 +328,11 @@ impl Edit {
     }
 }
 
-/// Sheds all living wood, leaves and buds inside solids, with what they bear. Returns how many organs went.
-pub fn crush(world: &mut World) -> usize {
+/// Sheds all living wood, leaves and buds inside a solid just set or moved, with what they bear. Returns how many
+/// organs went; none if it is no solid.
+pub fn crush(world: &mut World, solid: Entity) -> usize {
     let mut query = world.query::<(&Solid, &Transform)>();
-    let solids = standing_solids(query.iter(world));
+    let solids = standing_solids(query.get(world, solid).into_iter());
     if solids.is_empty() {
         return 0;
     }

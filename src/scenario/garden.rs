@@ -13,7 +13,7 @@ use crate::environment::workers::Workers;
 use crate::environment::{Ground, Scene, whole_scene};
 use crate::files::{ResolvedScenario, ScenarioError};
 use crate::growth::sensing::{ProbeCount, gather_probes};
-use crate::growth::{StepCount, finish::StageTimes, grow};
+use crate::growth::{StepCount, finish::StageTimes, forecast, grow};
 use crate::limits::{self, GrowthLimits};
 use crate::plant::measure::{StageSeconds, StepRecord};
 use crate::plant::{Fallen, Roster, Snapshot, SnapshotError, plants, restore};
@@ -206,11 +206,13 @@ impl Garden {
     fn within_limits(&self, step: u32) -> Result<(), GardenError> {
         let most = *self.world.resource::<GrowthLimits>();
         let probes = self.world.resource::<ProbeCount>().0;
+        // A step is not begun that might not be ended.
+        let organs = self.organs().saturating_add(forecast::next_step(&self.world));
         let taken = [
-            ("organs", self.organs(), most.organs),
             ("probes in one step", probes, most.probes),
             ("steps", step as usize, most.steps),
-            ("bytes of memory", self.organs() * limits::ORGAN_BYTES, most.memory),
+            ("organs after the next step", organs, most.organs),
+            ("bytes of memory after the next step", organs.saturating_mul(limits::ORGAN_BYTES), most.memory),
         ];
         match taken.into_iter().find(|(_, reached, limit)| reached >= limit) {
             Some((what, reached, limit)) => Err(GardenError::Limit { step, what, reached, limit }),

@@ -33,13 +33,14 @@ pub(super) fn sow(world: &mut World, planting: &Planting, species: Arc<Species>,
     ));
 }
 
-pub(super) fn set_solid(world: &mut World, solid: &PlacedSolid) {
-    world.spawn((
+pub(super) fn set_solid(world: &mut World, solid: &PlacedSolid) -> Entity {
+    let placed = world.spawn((
         Name::new(solid.name.clone()),
         Solid { shape: solid.shape, color: solid.color.linear() },
         Transform::from_translation(solid.at)
             .with_rotation(Quat::from_rotation_y(solid.turn_deg.to_radians())),
     ));
+    placed.id()
 }
 
 pub(super) fn set_lamp(world: &mut World, lamp: &PlacedLamp) {

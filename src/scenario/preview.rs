@@ -32,9 +32,12 @@ fn fallen(shot: &Snapshot, cut: impl Fn(usize) -> bool) -> Vec<u32> {
     (0..shot.len()).filter(|&i| goes[i]).map(|i| shot.birth[i]).collect()
 }
 
-/// Whether an organ, with its wood if it is wood, meets one of the solids.
+/// How much of a stem's radius a solid may press into: bark gives way, the core does not.
+const CORE: f32 = 0.5;
+
+/// Whether an organ, with the core of its wood if it is wood, meets one of the solids.
 pub(super) fn is_inside(solids: &[StandingSolid], pose: &Pose, wood: Option<&Internode>) -> bool {
-    let (tip, radius) = wood.map_or((pose.position, 0.0), |wood| (pose.tip(wood.length), wood.radius));
+    let (tip, radius) = wood.map_or((pose.position, 0.0), |wood| (pose.tip(wood.length), CORE * wood.radius));
     let reach = 0.5 * tip.distance(pose.position) + radius;
     let middle = 0.5 * (tip + pose.position);
     solids.iter().any(|solid| {

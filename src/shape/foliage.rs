@@ -1,12 +1,14 @@
 //! Foliage: the blades a leaf organ stands for, in the world.
 //!
-//! A leaf organ of a few blades is a short leafy shoot: its blades leave a stalk along the organ's heading at the
-//! golden angle, spread wide at its base and close to the heading at its end. Each lies flat, turned about its
-//! midrib until it faces the sky, as leaves do.
+//! A leaf organ of a few blades is a short leafy shoot, or a compound leaf: its blades leave a stalk along the
+//! organ's heading in one of a few forms. Each lies flat, turned about its midrib until it faces the sky, as leaves
+//! do.
 
 use bevy::math::ops;
 use bevy::prelude::*;
 use smallvec::SmallVec;
+
+use serde::{Deserialize, Serialize};
 
 use super::outline::LeafOutline;
 use crate::chance::mix;
@@ -28,6 +30,27 @@ const SLOPE_KEPT: f32 = 0.5;
 const JITTER: f32 = 0.15;
 /// 137.5 degrees.
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
+
+/// How the blades of a leaf organ stand on the stalk they share.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Reflect, Serialize, Deserialize)]
+pub enum FoliageForm {
+    /// At the golden angle about the stalk, spread wide at its base and close to it at its end: a twig's end.
+    #[default]
+    Tuft,
+    /// Left and right of it in one level plane: a beech twig.
+    Spray,
+    /// All round and all along, slanting forward: a needled shoot.
+    Needles,
+    /// Left and right, close together, shorter towards the end of a stalk that arches: a palm's leaf.
+    Frond,
+}
+
+impl FoliageForm {
+    /// How many of the largest blades the blades of an organ cover together.
+    pub fn blades(self, blades: u32) -> f32 {
+        (0..blades.max(1)).map(|i| station(self, i, blades.max(1)).size.powi(2)).sum()
+    }
+}
 
 /// One flat blade in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,8 +82,10 @@ impl Blade {
 struct Station {
     /// Direction of the blade in the organ's frame, stalk along +Y.
     direction: Vec3,
-    /// Distance along the stalk, as a share of a blade's length.
+    /// Distance along the stalk, as a share of its length.
     along: f32,
+    /// Length as a share of the longest blade's.
+    size: f32,
 }
 
 /// How a species arranges the blades of its leaf organs: made once a plant, asked once a leaf.
@@ -68,34 +93,33 @@ struct Station {
 pub struct Foliage {
     /// Outline of each blade.
     pub outline: LeafOutline,
+    form: FoliageForm,
     length: f32,
     half_width: f32,
+    stalk: f32,
+    petiole: f32,
     slope_kept: f32,
+    hang: f32,
     stations: SmallVec<[Station; 8]>,
 }
 
 impl Foliage {
     /// The foliage of a species.
     pub fn of(species: &Species) -> Self {
+        let form = species.foliage;
         let blades = species.leaf_cluster.max(1);
-        let stalk = (STALK * (blades - 1) as f32).min(LONGEST_STALK);
-        let stations = (0..blades)
-            .map(|i| {
-                if blades == 1 {
-                    return Station { direction: Vec3::Y, along: 0.0 };
-                }
-                let share = i as f32 / (blades - 1) as f32;
-                let (sin, cos) = ops::sin_cos(SPREAD[0] + (SPREAD[1] - SPREAD[0]) * share);
-                let (turn_sin, turn_cos) = ops::sin_cos(GOLDEN_ANGLE * i as f32);
-                Station { direction: Vec3::new(sin * turn_cos, cos, sin * turn_sin), along: stalk * share }
-            })
-            .collect();
+        let shortest = species.leaf_length_m * (STALK * (blades - 1) as f32).min(LONGEST_STALK);
+        let needles = form == FoliageForm::Needles || species.leaf_outline == LeafOutline::Needle;
         Self {
             outline: species.leaf_outline,
+            form,
             length: species.leaf_length_m,
             half_width: 0.5 * species.leaf_width_m,
-            slope_kept: if species.leaf_outline == LeafOutline::Needle { 1.0 } else { SLOPE_KEPT },
-            stations,
+            stalk: if species.foliage_length_m > 0.0 { species.foliage_length_m } else { shortest },
+            petiole: if form == FoliageForm::Tuft { PETIOLE } else { 0.0 },
+            slope_kept: if needles { 1.0 } else { SLOPE_KEPT },
+            hang: species.leaf_hang,
+            stations: (0..blades).map(|i| station(form, i, blades)).collect(),
         }
     }
 
@@ -112,13 +136,29 @@ impl Foliage {
         let (length, half_width) = (self.length * scale, self.half_width * scale);
         let Pose { position, rotation } = *pose;
         let heading = rotation * Vec3::Y;
-        let phase = unit(mix(lineage.0)) * core::f32::consts::TAU;
-        let spin = rotation * Quat::from_xyzw(0.0, ops::sin(0.5 * phase), 0.0, ops::cos(0.5 * phase));
+        let frame = match self.form {
+            FoliageForm::Tuft | FoliageForm::Needles => {
+                let phase = unit(mix(lineage.0)) * core::f32::consts::TAU;
+                rotation * Quat::from_xyzw(0.0, ops::sin(0.5 * phase), 0.0, ops::cos(0.5 * phase))
+            }
+            FoliageForm::Spray | FoliageForm::Frond => level_frame(rotation),
+        };
+        let mut stalk = position;
+        let mut reached = 0.0;
         self.stations.iter().enumerate().map(move |(i, station)| {
-            let mut direction = spin * station.direction + jitter(mix(lineage.0 ^ (i as u64 + 1)));
+            // The stalk sinks towards its end.
+            let way = (heading + Vec3::NEG_Y * (self.hang * 1.6 * station.along)).normalize_or(heading);
+            stalk += way * ((station.along - reached) * self.stalk * scale);
+            reached = station.along;
+            let turned = match self.form {
+                FoliageForm::Frond => Quat::from_rotation_arc(heading, way),
+                _ => Quat::IDENTITY,
+            };
+            let mut direction =
+                turned * (frame * station.direction) + jitter(mix(lineage.0 ^ (i as u64 + 1)));
             direction.y *= self.slope_kept;
+            let direction = direction.normalize_or(heading).lerp(Vec3::NEG_Y, self.hang);
             let direction = direction.try_normalize().unwrap_or(heading);
-            let stalk = position + heading * (station.along * length);
             let across = direction
                 .cross(Vec3::Y)
                 .try_normalize()
@@ -126,11 +166,49 @@ impl Foliage {
                 .unwrap_or_else(|| direction.any_orthonormal_vector());
             Blade {
                 stalk,
-                base: stalk + direction * (PETIOLE * length),
-                midrib: direction * length,
-                across: across * half_width,
+                base: stalk + direction * (self.petiole * length),
+                midrib: direction * (length * station.size),
+                across: across * (half_width * station.size),
             }
         })
+    }
+}
+
+/// A turn that takes +Y to the organ's heading and +X to the level.
+fn level_frame(rotation: Quat) -> Quat {
+    let heading = rotation * Vec3::Y;
+    let side = heading.cross(Vec3::Y).try_normalize().unwrap_or(rotation * Vec3::X);
+    Quat::from_mat3(&Mat3::from_cols(side, heading, side.cross(heading)))
+}
+
+/// How the `i`-th of some blades stands.
+fn station(form: FoliageForm, i: u32, blades: u32) -> Station {
+    if blades == 1 {
+        return Station { direction: Vec3::Y, along: 0.0, size: 1.0 };
+    }
+    let along = i as f32 / (blades - 1) as f32;
+    let leaving = |angle: f32, azimuth: f32| {
+        let ((sin, cos), (turn_sin, turn_cos)) = (ops::sin_cos(angle), ops::sin_cos(azimuth));
+        Vec3::new(sin * turn_cos, cos, sin * turn_sin)
+    };
+    let side = if i.is_multiple_of(2) { 0.0 } else { core::f32::consts::PI };
+    let spread = |from: f32, to: f32| from + (to - from) * along;
+    match form {
+        FoliageForm::Tuft => Station {
+            direction: leaving(spread(SPREAD[0], SPREAD[1]), GOLDEN_ANGLE * i as f32),
+            along,
+            size: 1.0,
+        },
+        FoliageForm::Spray => Station { direction: leaving(spread(1.05, 0.6), side), along, size: 1.0 },
+        FoliageForm::Needles => {
+            Station { direction: leaving(spread(1.0, 0.45), GOLDEN_ANGLE * i as f32), along, size: 1.0 }
+        }
+        FoliageForm::Frond => {
+            // A bare foot, then leaflets that shorten towards the end.
+            let along = 0.18 + 0.82 * along;
+            let direction = leaving(spread(1.25, 0.5), side);
+            Station { direction, along, size: (1.0 - 0.75 * (2.0 * along - 1.0).powi(2)).max(0.2) }
+        }
     }
 }
 

@@ -21,13 +21,13 @@ pub fn leaves(snapshot: &Snapshot) -> Vec<Surface> {
         let Some(Some(foliage)) = foliage.get(plant) else { continue };
         if leaf.size > 0.0 {
             let surface = &mut surfaces[plant];
-            let mut last = None;
+            let mut from = snapshot.pose[i].position;
             for blade in foliage.blades(&snapshot.pose[i], leaf.size, snapshot.lineage[i]) {
                 leaf_mesh(surface, foliage.outline, &blade);
-                last = Some(blade);
-            }
-            if let Some(last) = last.filter(|_| foliage.blades_per_leaf() > 1) {
-                stalk(surface, snapshot.pose[i].position, &last);
+                if foliage.blades_per_leaf() > 1 && blade.stalk != from {
+                    stalk(surface, from, &blade);
+                    from = blade.stalk;
+                }
             }
         }
     }
@@ -61,13 +61,13 @@ pub fn leaf_mesh(surface: &mut Surface, outline: LeafOutline, blade: &Blade) {
     }
 }
 
-/// Adds the stalk from the stem to where the last petiole leaves it.
-fn stalk(surface: &mut Surface, from: Vec3, last: &Blade) {
-    let sideways = last.across.normalize_or_zero() * (STALK_HALF_WIDTH * last.midrib.length());
-    let along = last.stalk - from;
+/// Adds a piece of stalk, to where the next petiole leaves it.
+fn stalk(surface: &mut Surface, from: Vec3, next: &Blade) {
+    let sideways = next.across.normalize_or_zero() * (STALK_HALF_WIDTH * next.midrib.length());
+    let along = next.stalk - from;
     let normal = sideways.cross(along).try_normalize().unwrap_or(Vec3::Y);
     let left = surface.vertex(from + sideways, normal, [0.5, 0.0]);
-    let tip = surface.vertex(last.stalk, normal, [0.5, 0.0]);
+    let tip = surface.vertex(next.stalk, normal, [0.5, 0.0]);
     let right = surface.vertex(from - sideways, normal, [0.5, 0.0]);
     surface.triangle(left, tip, right);
 }
@@ -94,7 +94,7 @@ mod tests {
             }
             let expected = 4.0 * outline.fill();
             assert!((area / expected - 1.0).abs() < 0.1, "{outline:?} {area} {expected}");
-            assert!((6..=13).contains(&surface.triangles()), "{outline:?} {}", surface.triangles());
+            assert!((6..=14).contains(&surface.triangles()), "{outline:?} {}", surface.triangles());
         }
     }
 

@@ -17,7 +17,20 @@ pub enum LeafOutline {
     Lanceolate,
     /// A needle.
     Needle,
+    /// Pointed at both ends, widest before the middle: Lombardy poplar.
+    Rhombic,
+    /// Round with a short point: hazel.
+    Heart,
+    /// Deep pointed lobes: Japanese maple.
+    Palmate,
 }
+
+/// Margin of the palmate outline, straight between these points (place along the midrib, half width).
+const PALMATE: [(f32, f32); 8] =
+    [(0.0, 0.0), (0.1, 0.62), (0.22, 0.28), (0.45, 1.0), (0.55, 0.3), (0.72, 0.45), (0.8, 0.18), (1.0, 0.0)];
+/// Where the rhombic and the heart-shaped outline are widest.
+const RHOMBIC_WIDEST: f32 = 0.35;
+const HEART_WIDEST: f32 = 0.35;
 
 /// Lobes from base to tip of a lobed blade; the half is the terminal one, which straddles the tip.
 const LOBES: f32 = 4.5;
@@ -26,8 +39,16 @@ const SINUS: f32 = 0.45;
 
 impl LeafOutline {
     /// Every outline, in the order of the species table.
-    pub const ALL: [LeafOutline; 5] =
-        [Self::Elliptic, Self::Ovate, Self::Lobed, Self::Lanceolate, Self::Needle];
+    pub const ALL: [LeafOutline; 8] = [
+        Self::Elliptic,
+        Self::Ovate,
+        Self::Lobed,
+        Self::Lanceolate,
+        Self::Needle,
+        Self::Rhombic,
+        Self::Heart,
+        Self::Palmate,
+    ];
 
     /// Half the width at `s` along the midrib (0 base, 1 tip), as a share of the greatest half width (0..1).
     ///
@@ -46,6 +67,22 @@ impl LeafOutline {
             }
             Self::Lanceolate => 5.379_144 * s * rest * rest.sqrt(),
             Self::Needle => (20.0 * s).min(8.0 * rest).min(1.0),
+            Self::Rhombic => (s / RHOMBIC_WIDEST).min(rest / (1.0 - RHOMBIC_WIDEST)),
+            Self::Heart if s < HEART_WIDEST => {
+                let from_widest = 1.0 - s / HEART_WIDEST;
+                (1.0 - from_widest * from_widest).max(0.0).sqrt()
+            }
+            Self::Heart => {
+                let beyond = (s - HEART_WIDEST) / (1.0 - HEART_WIDEST);
+                (1.0 - beyond) * (1.0 + 0.9 * beyond)
+            }
+            Self::Palmate => {
+                let between = PALMATE.windows(2).find(|ends| s <= ends[1].0);
+                between.map_or(0.0, |ends| {
+                    let [(s0, w0), (s1, w1)] = [ends[0], ends[1]];
+                    w0 + (w1 - w0) * (s - s0) / (s1 - s0)
+                })
+            }
         };
         width.min(1.0)
     }
@@ -59,6 +96,10 @@ impl LeafOutline {
             Self::Lobed => 0.609_1,
             Self::Lanceolate => 0.614_76,
             Self::Needle => 0.9125,
+            Self::Rhombic => 0.5,
+            // A quarter of an ellipse, and a parabola.
+            Self::Heart => 0.697_39,
+            Self::Palmate => 0.404_15,
         }
     }
 
@@ -73,6 +114,9 @@ impl LeafOutline {
             Self::Lobed => &[0.0, 0.35, 0.444_444, 0.57, 0.666_667, 0.79, 0.97],
             Self::Lanceolate => &[0.0, 0.15, 0.35, 0.55, 0.8, 1.0],
             Self::Needle => &[0.0, 0.05, 0.875, 1.0],
+            Self::Rhombic => &[0.0, 0.15, 0.35, 0.65, 1.0],
+            Self::Heart => &[0.0, 0.04, 0.14, 0.35, 0.6, 0.85, 1.0],
+            Self::Palmate => &[0.0, 0.1, 0.22, 0.45, 0.55, 0.72, 0.8, 1.0],
         }
     }
 }

@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 use super::{Allocation, LightReading};
+use crate::shape::bark::BarkPattern;
+use crate::shape::foliage::FoliageForm;
 use crate::shape::outline::LeafOutline;
 use crate::tropism::Spread;
 
@@ -123,7 +125,8 @@ impl Parameter {
         }
         match self.default {
             Value::Flag(_) => "true | false".into(),
-            Value::List(_) => format!("a list of numbers, each {}", self.range),
+            Value::List(_) if self.name.ends_with("_color") => format!("three numbers, each {}", self.range),
+            Value::List(_) => format!("a number or a list of numbers, each {}", self.range),
             _ => self.range.to_string(),
         }
     }
@@ -212,9 +215,29 @@ impl ParameterType for bool {
 }
 
 /// A number for each branch order; the last stands for all higher ones.
-#[derive(Debug, Clone, PartialEq, Default, Reflect, Serialize, Deserialize)]
+///
+/// In files one number stands for a list of one.
+#[derive(Debug, Clone, PartialEq, Default, Reflect, Serialize)]
 #[serde(transparent)]
 pub struct ByOrder(pub SmallVec<[f32; 6]>);
+
+impl<'de> Deserialize<'de> for ByOrder {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Written {
+            One(f32),
+            List(SmallVec<[f32; 6]>),
+        }
+        if !deserializer.is_human_readable() {
+            return Ok(Self(SmallVec::deserialize(deserializer)?));
+        }
+        Ok(match Written::deserialize(deserializer)? {
+            Written::One(value) => Self::all(value),
+            Written::List(values) => Self(values),
+        })
+    }
+}
 
 impl ByOrder {
     /// No numbers at all.
@@ -316,7 +339,9 @@ macro_rules! choice {
 choice!(Allocation: ByExposure, ByVigour);
 choice!(LightReading: Share, Radiance);
 choice!(Spread: Gaussian, Uniform);
-choice!(LeafOutline: Elliptic, Ovate, Lobed, Lanceolate, Needle);
+choice!(LeafOutline: Elliptic, Ovate, Lobed, Lanceolate, Needle, Rhombic, Heart, Palmate);
+choice!(BarkPattern: Furrowed, Smooth, Plates, Banded, Ringed);
+choice!(FoliageForm: Tuft, Spray, Needles, Frond);
 
 /// Writes a struct, its defaults and its table from one list of rows.
 macro_rules! parameters {

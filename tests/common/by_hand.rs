@@ -61,6 +61,7 @@ impl Nursery {
             height_in_branch: if turned { length } else { below + length },
             pipe: ops::powf(radius, species.pipe_exponent),
             poor_steps: 0,
+            sag: 0.0,
         };
         let order = order + u32::from(turned);
         self.organ(on, OrganKind::Internode, order, attachment, (internode, Node::default()))

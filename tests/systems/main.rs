@@ -5,12 +5,15 @@ mod common;
 mod giving_up;
 mod vigour;
 
+use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use burgeon::environment::{Solid, SolidShape};
 use burgeon::growth::generation::{BudBroke, Condemned, derive_poses, germinate, open_books, shed_condemned};
 use burgeon::growth::nodes::{FreshNode, FreshNodes, form_nodes, unfold_leaves};
 use burgeon::growth::sensing::{SensingJob, choose_growth_targets, gather_probes, render_cube_maps};
-use burgeon::growth::{Mechanisms, StepCount, buds, energy, finish, liabilities, share, shoots, wood};
+use burgeon::growth::{
+    Mechanisms, Stage, StepCount, buds, energy, finish, generation, liabilities, share, shoots, wood,
+};
 use burgeon::plant::{
     Allotment, ApicalBud, BranchOrder, Cause, EnergyFlow, EnergyLedger, EnergyStore, Exposure, Fallen,
     GrowsFrom, GrowthTarget, Identity, Internode, LateralBud, LateralBudState, Leaf, LeafState, Lineage,
@@ -420,14 +423,42 @@ fn choose_growth_targets_counts_all_as_lit_when_nothing_is_modelled() {
 }
 
 #[test]
-fn close_books_counts_store_and_allotments_and_count_step_counts() {
+fn close_books_counts_store_and_allotments() {
     let mut nursery = Nursery::new(lam_king()).store(2.0);
     let trunk = nursery.stem(None, 0.2);
     nursery.apical_bud(Some(trunk), 1.0, 0.75);
     nursery.run(finish::close_books);
     close(nursery.ledger().closed, 2.75);
+}
+
+#[test]
+fn count_step_counts() {
+    let mut nursery = Nursery::new(lam_king());
     nursery.run(finish::count_step);
     assert_eq!(*nursery.app.world().resource::<StepCount>(), StepCount(1));
+}
+
+#[test]
+fn time_stage_books_the_time_since_the_last_one_to_its_stage() {
+    let mut nursery = Nursery::new(lam_king());
+    nursery.run(open_books);
+    std::thread::sleep(std::time::Duration::from_millis(3));
+    nursery.run(finish::time_stage::<{ Stage::Update as usize }>);
+    let seconds = nursery.app.world().resource::<finish::StageTimes>().seconds;
+    assert!(seconds[Stage::Update as usize - 1] >= 0.003, "{seconds:?}");
+    assert_eq!(seconds.iter().filter(|s| **s > 0.0).count(), 1);
+}
+
+#[test]
+fn any_germinated_tells_of_a_seed_that_opened_in_this_step_alone() {
+    let mut nursery = Nursery::new(lam_king());
+    let asks =
+        |nursery: &mut Nursery| nursery.app.world_mut().run_system_once(generation::any_germinated).unwrap();
+    assert!(asks(&mut nursery), "the nursery's plant opened at step 0");
+    nursery.app.insert_resource(StepCount(1));
+    assert!(!asks(&mut nursery));
+    nursery.set(nursery.plant, EnergyStore::default());
+    assert!(!asks(&mut nursery), "it has yet to open");
 }
 
 #[test]

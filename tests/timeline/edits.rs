@@ -6,7 +6,7 @@ use super::*;
 fn what_is_left_grows_the_same_tree() {
     let mut resolved = small();
     resolved.species.get_mut("lam_king").unwrap().leaf_income = 2.5;
-    resolved.species.get_mut("lam_king").unwrap().branching_angles_deg = [50.0, 45.5].into();
+    resolved.species.get_mut("lam_king").unwrap().branching_angle_deg = [50.0, 45.5].into();
     let mut timeline = Timeline::new(resolved, 7, Library::embedded(), workers()).unwrap();
     grow_to(&mut timeline, 5);
     timeline.edit(3, Edit::PlaceLamp(PlacedLamp { name: "l".into(), ..default() })).unwrap();

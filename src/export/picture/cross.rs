@@ -123,7 +123,10 @@ fn color(
         }
         Seen::Ground => palette.grass,
         Seen::Solid(i) => Vec3::from(scene.solids[i as usize].color),
-        Seen::Wood(i) => palette.plant(scene.capsules[i as usize].plant).bark,
+        Seen::Wood(i) => {
+            let wood = &scene.capsules[i as usize];
+            palette.plant(wood.plant).bark.color(wood.radius)
+        }
         Seen::Leaf(i) => palette.plant(scene.leaves[i as usize].plant).leaf * 1.4,
     };
     // Half the way to full brightness at half the range.

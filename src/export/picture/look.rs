@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 
 use crate::plant::{PlantRecord, Snapshot};
+use crate::shape::bark::Bark;
 use crate::species::Species;
 use crate::species::parameter::Color;
 
@@ -10,7 +11,7 @@ use crate::species::parameter::Color;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlantLook {
     /// Bark.
-    pub bark: Vec3,
+    pub bark: Bark,
     /// The upper side of a leaf.
     pub leaf: Vec3,
 }
@@ -18,7 +19,7 @@ pub struct PlantLook {
 impl PlantLook {
     /// The colours of a species.
     pub fn of(species: &Species) -> Self {
-        Self { bark: species.bark_color.linear().into(), leaf: species.leaf_color.linear().into() }
+        Self { bark: Bark::of(species), leaf: species.leaf_color.linear().into() }
     }
 }
 

@@ -8,6 +8,7 @@ use super::look::Palette;
 use super::noise::{fract, hash, mix, rough, smooth, unit, value};
 use crate::environment::trace::{Hit, Seen};
 use crate::environment::{LeafPatch, Scene, SolidShape, StandingSolid};
+use crate::shape::bark::{Bark, BarkPattern};
 
 /// What surfaces need to know of the camera.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +56,7 @@ impl Surface {
         match hit.seen {
             Seen::Wood(i) => {
                 let wood = &scene.capsules[i as usize];
-                bark(palette.plant(wood.plant).bark, point, wood.radius, hit.normal)
+                bark(&palette.plant(wood.plant).bark, point, wood.radius, hit.normal)
             }
             Seen::Leaf(i) => {
                 let patch = &scene.leaves[i as usize];
@@ -68,15 +69,39 @@ impl Surface {
     }
 }
 
-/// Bark: furrows along the stem, patches of paler crust.
-fn bark(color: Vec3, point: Vec3, radius: f32, normal: Vec3) -> Surface {
+/// Bark: furrows, plates, streaks or rings, finer on thin stems.
+fn bark(bark: &Bark, point: Vec3, radius: f32, normal: Vec3) -> Surface {
     // Furrows are as far apart as the stem is stout, within what bark does.
     let grain = 1.0 / (radius * 0.35).clamp(0.006, 0.05);
-    let furrow = value(point * Vec3::new(grain, grain * 0.18, grain));
     let crust = rough(point * (grain * 0.35) + Vec3::splat(9.1), 2);
-    let shade = 0.62 + 0.5 * smooth(0.2, 0.6, furrow) + 0.25 * (crust - 0.5);
     let warm = Vec3::new(1.0 + 0.10 * (crust - 0.5), 1.0, 1.0 - 0.12 * (crust - 0.5));
-    Surface::matt(color * warm * shade, normal)
+    let old = bark.age(radius);
+    let color = bark.color(radius);
+    // How much of the mark shows, and how light or dark the rest is.
+    let (mark, shade) = match bark.pattern {
+        BarkPattern::Furrowed => {
+            let furrow = value(point * Vec3::new(grain, grain * 0.18, grain));
+            (0.0, 0.62 + 0.5 * smooth(0.2, 0.6, furrow) + 0.25 * (crust - 0.5))
+        }
+        BarkPattern::Smooth => (0.0, 0.92 + 0.3 * (crust - 0.5)),
+        BarkPattern::Plates => {
+            let plate = value(point * Vec3::new(grain, grain * 0.45, grain));
+            (0.8 * (1.0 - smooth(0.12, 0.34, plate)), 0.9 + 0.4 * (crust - 0.5))
+        }
+        BarkPattern::Banded => {
+            let streak = value(point * Vec3::new(9.0, 42.0, 9.0) + Vec3::splat(3.7));
+            let blotch = rough(point * Vec3::new(5.0, 3.0, 5.0), 2);
+            // At the foot of a stout trunk blotches meet.
+            let foot = 0.16 * smooth(0.06, 0.16, radius);
+            let dark = smooth(0.68, 0.78, streak).max(smooth(0.66 - foot, 0.74 - foot, blotch));
+            (dark, 0.94 + 0.2 * (crust - 0.5))
+        }
+        BarkPattern::Ringed => {
+            let ring = fract(point.y / 0.09 + 0.2 * value(point * 6.0));
+            (0.55 * (1.0 - smooth(0.0, 0.22, (ring - 0.5).abs())), 0.9 + 0.4 * (crust - 0.5))
+        }
+    };
+    Surface::matt(color.lerp(bark.mark, mark * old) * warm * shade, normal)
 }
 
 /// A leaf: folded a little at the midrib, paler along it, no two quite alike.

@@ -16,6 +16,7 @@ use crate::export::picture::{Bounds, Camera, Palette, PictureSettings, PlantLook
 use crate::plant::NO_PARENT;
 use crate::plant::skeleton::Skeleton;
 use crate::reproduce::{Claim, Findings, ReproduceError};
+use crate::shape::bark::Bark;
 use crate::species::Species;
 use crate::species::parameter::Color;
 use crate::tropism::Control;
@@ -141,7 +142,7 @@ pub(super) fn daylight() -> Scene {
 pub(super) fn looks(species: &Species, petals: u32) -> Palette {
     let petal = Vec3::from(Color::hex(petals).linear());
     Palette {
-        plants: vec![PlantLook::of(species), PlantLook { bark: petal, leaf: petal }],
+        plants: vec![PlantLook::of(species), PlantLook { bark: Bark::plain(petal), leaf: petal }],
         ..Palette::default()
     }
 }
