@@ -23,6 +23,7 @@ const SPECIES: &[(&str, &str)] = embedded!("species":
 /// Shipped scenarios: name and text.
 const SCENARIOS: &[(&str, &str)] = embedded!("scenarios":
     "open", "wall", "lamp", "dusk", "lamp_moved", "courtyard", "two_oaks",
+    "grove", "hedge", "avenue", "beach",
     "figure_1a", "figure_1b", "figure_1c", "figure_1d",
 );
 

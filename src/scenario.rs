@@ -40,13 +40,15 @@ pub struct Planting {
     pub at: Vec3,
     /// Turn about the vertical, degrees.
     pub turn_deg: f32,
+    /// Lean of its seedling, degrees, towards +z before it is turned.
+    pub tilt_deg: f32,
     /// Added to the seed of the run.
     pub seed: u64,
 }
 
 impl Default for Planting {
     fn default() -> Self {
-        Self { species: "lam_king".into(), at: Vec3::ZERO, turn_deg: 0.0, seed: 0 }
+        Self { species: "lam_king".into(), at: Vec3::ZERO, turn_deg: 0.0, tilt_deg: 0.0, seed: 0 }
     }
 }
 

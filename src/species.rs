@@ -293,6 +293,11 @@ impl Species {
         aged(&self.flush_internodes, &self.flush_old, order, maturity)
     }
 
+    /// How far the largest leaf organ reaches from its stem, metres.
+    pub fn leaf_reach_m(&self) -> f32 {
+        self.leaf_length_m + self.foliage_length_m
+    }
+
     /// Area of the largest leaf organ, all its blades together, square metres.
     pub fn leaf_area(&self) -> f32 {
         self.leaf_length_m

@@ -54,11 +54,15 @@ struct Tree {
 }
 
 /// Columns that have a mean and a spread, and how to read them.
-const COLUMNS: [(&str, fn(&Form) -> f64); 9] = [
+const COLUMNS: [(&str, fn(&Form) -> f64); 13] = [
     ("height_m", |f| f64::from(f.height_m)),
     ("crown_width_m", |f| f64::from(f.crown_width_m)),
     ("crown_base_m", |f| f64::from(f.crown_base_m)),
     ("trunk_diameter_m", |f| f64::from(f.trunk_diameter_m)),
+    ("breast_diameter_m", |f| f64::from(f.breast_diameter_m)),
+    ("live_crown_base_m", |f| f64::from(f.live_crown_base_m)),
+    ("widest_height_m", |f| f64::from(f.widest_height_m)),
+    ("drooping_share", |f| f64::from(f.drooping_share)),
     ("leaves", |f| f64::from(f.leaves)),
     ("internodes", |f| f64::from(f.internodes)),
     ("organs", |f| f64::from(f.organs)),

@@ -154,7 +154,7 @@ fn organ_row(snapshot: &Snapshot, i: usize) -> OrganRow {
 }
 
 /// Columns of `steps.csv`, in order: the fields of [`StepRecord`], stages in seconds.
-pub const STEP_COLUMNS: [&str; 25] = [
+pub const STEP_COLUMNS: [&str; 34] = [
     "step",
     "organs",
     "internodes",
@@ -166,6 +166,15 @@ pub const STEP_COLUMNS: [&str; 25] = [
     "crown_width_m",
     "crown_base_m",
     "trunk_diameter_m",
+    "breast_diameter_m",
+    "live_crown_base_m",
+    "widest_height_m",
+    "drooping_share",
+    "order_0",
+    "order_1",
+    "order_2",
+    "order_3",
+    "order_4_and_above",
     "max_order",
     "leaf_area_m2",
     "mean_light",
@@ -201,11 +210,13 @@ pub fn write_steps(steps: &[StepRecord], writer: impl Write) -> Result<(), Expor
             form.lateral_buds,
         ];
         let lengths = [form.height_m, form.crown_width_m, form.crown_base_m, form.trunk_diameter_m];
+        let shape =
+            [form.breast_diameter_m, form.live_crown_base_m, form.widest_height_m, form.drooping_share];
         let energy = [step.income, step.upkeep, step.growth, step.wood, step.lost, step.store, step.allotted];
         let seconds = &step.seconds;
         let seconds = [seconds.generate, seconds.update, seconds.sense, seconds.finish];
         let foliage = [form.leaf_area_m2, form.mean_light];
-        table.serialize((counts, lengths, form.max_order, foliage, energy, seconds))?;
+        table.serialize((counts, lengths, shape, form.by_order, form.max_order, foliage, energy, seconds))?;
     }
     Ok(table.flush()?)
 }

@@ -146,7 +146,8 @@ impl Checker {
     fn plant(&self, plant: &Planting) -> Result<(), ScenarioError> {
         self.name("species", &plant.species)?;
         self.vector("at", plant.at)?;
-        self.number("turn_deg", &plant.turn_deg)
+        self.number("turn_deg", &plant.turn_deg)?;
+        self.number("tilt_deg", &plant.tilt_deg)
     }
 
     fn solid(&self, solid: &PlacedSolid) -> Result<(), ScenarioError> {
@@ -260,6 +261,10 @@ impl Inventory {
                 Ok(())
             }
             Edit::Prune { plant, .. } => self.plant(&check(""), *plant).map(|_| ()),
+            Edit::Shear { from, to } => {
+                check("").vector("from", *from)?;
+                check("").vector("to", *to)
+            }
             Edit::Top { plant, above } => {
                 self.plant(&check(""), *plant)?;
                 check("").number("above", above)

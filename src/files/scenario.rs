@@ -68,6 +68,7 @@ static TABLE: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
         text("plants[].species", "lam_king", "A shipped species, or a file beside this one: `my.ron`."),
         place("plants[].at", Vec3::ZERO, "Where its seed lies."),
         turn("plants[].turn_deg"),
+        real("plants[].tilt_deg", 0.0, "deg", Range::real(-80.0, 80.0), "Lean of its seedling."),
         whole("plants[].seed", 0, "", Range::any(), "Added to the seed of the run."),
         text("solids[].name", &solid.name, "Name by which edits find it."),
         text(
@@ -102,7 +103,8 @@ static TABLE: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
         choice("sensing.weight", &["Alike", "SolidAngle"], "Alike", "How texels count."),
         whole("edits[].step", 0, "steps", Range::whole(0, limits::STEPS), "Made when this many are grown."),
         text("edits[].edit.name", "", "What is moved, copied, changed, switched or removed."),
-        place("edits[].edit.to", Vec3::ZERO, "Its new centre."),
+        place("edits[].edit.from", Vec3::ZERO, "A corner of the block that shears leave."),
+        place("edits[].edit.to", Vec3::ZERO, "Its new centre; of shears, the opposite corner."),
         turn("edits[].edit.turn_deg"),
         row(
             "edits[].edit.rotation_deg",
@@ -163,7 +165,7 @@ pub(crate) fn words(parameter: &Parameter) -> String {
         "seed" | "lineage" => "a whole number below 2^64".into(),
         "plant" => "a whole number below 2^32".into(),
         "shape" => "Box(size: (x, y, z)) | Ball(radius: r) | Cylinder(radius: r, height: h)".into(),
-        "at" | "to" | "size" | "rotation_deg" | "scale" | "color" => {
+        "at" | "from" | "to" | "size" | "rotation_deg" | "scale" | "color" => {
             format!("three numbers, each {}", parameter.range)
         }
         _ => parameter.allowed(),

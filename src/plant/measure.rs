@@ -28,6 +28,17 @@ pub struct Form {
     pub crown_base_m: f32,
     /// Diameter of the thickest stem that grows straight from the ground, metres.
     pub trunk_diameter_m: f32,
+    /// Diameter at breast height, 1.3 m above the plant's base, of the thickest stem there, metres; 0 if none reaches
+    /// it.
+    pub breast_diameter_m: f32,
+    /// Height above which 95 % of the leaf area is, metres: the base of the live crown.
+    pub live_crown_base_m: f32,
+    /// Height at which the crown is widest, metres: of ten even layers of leaves, the middle of the widest.
+    pub widest_height_m: f32,
+    /// Share of the length of side axes that points below the level, 0..1.
+    pub drooping_share: f32,
+    /// Internodes by branch order, 0 to 3, and 4 and above.
+    pub by_order: [u32; 5],
     /// Highest branch order of an internode.
     pub max_order: u32,
     /// Leaf area, one side, square metres.
@@ -44,6 +55,8 @@ impl Form {
         let mut high = Vec3::splat(f32::NEG_INFINITY);
         let mut lowest_leaf = f32::INFINITY;
         let mut light = 0.0;
+        let mut crown = Vec::new();
+        let (mut side, mut drooping) = (0.0_f32, 0.0_f32);
         for (i, state) in snapshot.state.iter().enumerate() {
             let owner = snapshot.plant[i];
             if plant.is_some_and(|wanted| wanted != owner) {
@@ -57,6 +70,16 @@ impl Form {
                     form.internodes += 1;
                     form.nodes += u32::from(node.is_some());
                     form.max_order = form.max_order.max(snapshot.order[i]);
+                    form.by_order[snapshot.order[i].min(4) as usize] += 1;
+                    let end = pose.tip(internode.length);
+                    if snapshot.order[i] > 0 {
+                        side += internode.length;
+                        drooping += if end.y < pose.position.y { internode.length } else { 0.0 };
+                    }
+                    let breast = record.position.y + BREAST_M;
+                    if (pose.position.y.min(end.y)..pose.position.y.max(end.y)).contains(&breast) {
+                        form.breast_diameter_m = form.breast_diameter_m.max(2.0 * internode.radius);
+                    }
                     if snapshot.parent[i] == NO_PARENT {
                         form.trunk_diameter_m = form.trunk_diameter_m.max(2.0 * internode.radius);
                     }
@@ -74,8 +97,10 @@ impl Form {
                     form.leaves += 1;
                     form.leaf_area_m2 += f64::from(leaf.size * record.species.leaf_area());
                     light += f64::from(snapshot.exposure[i].light);
-                    lowest_leaf = lowest_leaf.min(pose.position.y - record.position.y);
-                    (pose.tip(record.species.leaf_length_m * leaf.size.max(0.0).sqrt()), 0.0)
+                    let at = pose.position - record.position;
+                    lowest_leaf = lowest_leaf.min(at.y);
+                    crown.push((at, leaf.size * record.species.leaf_area()));
+                    (pose.tip(record.species.leaf_reach_m() * leaf.size.max(0.0).sqrt()), 0.0)
                 }
             };
             let girth = Vec3::new(girth, 0.0, girth);
@@ -86,12 +111,46 @@ impl Form {
         if low.x <= high.x {
             form.crown_width_m = 0.5 * ((high.x - low.x) + (high.z - low.z));
         }
+        form.drooping_share = if side > 0.0 { drooping / side } else { 0.0 };
         if form.leaves > 0 {
+            crown.sort_by(|a, b| a.0.y.total_cmp(&b.0.y));
+            form.live_crown_base_m = live_crown_base(&crown);
+            form.widest_height_m = widest_height(&crown);
             form.crown_base_m = lowest_leaf;
             form.mean_light = light / f64::from(form.leaves);
         }
         form
     }
+}
+
+/// Height at which foresters measure trunks, metres.
+pub const BREAST_M: f32 = 1.3;
+
+/// Height above which 95 % of the area of leaves is; of places and areas, lowest first.
+fn live_crown_base(crown: &[(Vec3, f32)]) -> f32 {
+    let whole: f32 = crown.iter().map(|(_, area)| area).sum();
+    let mut below = 0.0;
+    let base = crown.iter().find(|(_, area)| {
+        below += area;
+        below >= 0.05 * whole
+    });
+    base.map_or(0.0, |(at, _)| at.y)
+}
+
+/// Middle of the widest of ten even layers of leaves; of places and areas, lowest first.
+fn widest_height(crown: &[(Vec3, f32)]) -> f32 {
+    const LAYERS: usize = 10;
+    let (Some((low, _)), Some((high, _))) = (crown.first(), crown.last()) else { return 0.0 };
+    let deep = ((high.y - low.y) / LAYERS as f32).max(f32::MIN_POSITIVE);
+    // Extent along x and z of each layer.
+    let mut layers = [(Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)); LAYERS];
+    for (at, _) in crown {
+        let (least, most) = &mut layers[(((at.y - low.y) / deep) as usize).min(LAYERS - 1)];
+        (*least, *most) = (least.min(at.xz()), most.max(at.xz()));
+    }
+    let width = |layer: usize| (layers[layer].1 - layers[layer].0).element_sum();
+    let widest = (0..LAYERS).max_by(|&a, &b| width(a).total_cmp(&width(b))).unwrap_or(0);
+    low.y + (widest as f32 + 0.5) * deep
 }
 
 /// Wall-clock seconds a step spent in each stage.

@@ -89,6 +89,13 @@ pub enum Edit {
         /// Height, metres.
         above: f32,
     },
+    /// Shear all plants to a block: cut every side axis, leaf and tip of theirs that reaches out of it.
+    Shear {
+        /// One corner, metres.
+        from: Vec3,
+        /// The opposite corner, metres.
+        to: Vec3,
+    },
     /// Remove a plant.
     Uproot {
         /// The plant, in the order of planting.
@@ -265,6 +272,22 @@ pub fn apply(world: &mut World, edit: &Edit) -> Result<EditOutcome, EditError> {
                 .collect();
             shed_count = shed(world, &cut);
         }
+        Edit::Shear { from, to } => {
+            place::finite("from", *from)?;
+            place::finite("to", *to)?;
+            let (low, high) = (from.min(*to), from.max(*to));
+            let outside = |place: Vec3| place.cmplt(low).any() || place.cmpgt(high).any();
+            let roster = world.resource::<Roster>();
+            let cut: Vec<(u32, Cause)> = (0..roster.len())
+                .filter(|&i| {
+                    let pose = world.get::<Pose>(roster.entity[i]);
+                    let length = world.get::<Internode>(roster.entity[i]).map_or(0.0, |wood| wood.length);
+                    pose.is_some_and(|pose| outside(pose.tip(length)))
+                })
+                .map(|i| (roster.birth[i], Cause::Pruned))
+                .collect();
+            shed_count = shed(world, &cut);
+        }
         Edit::Uproot { plant } => {
             let entity = plant_entity(world, *plant)?;
             shed_count = world.resource::<Roster>().plant.iter().filter(|p| **p == *plant).count();
@@ -322,7 +345,8 @@ impl Edit {
             (Self::Top { plant, .. }, Self::Top { plant: other, .. }) => plant == other,
             (Self::Sun(_), Self::Sun(_))
             | (Self::Sky(_), Self::Sky(_))
-            | (Self::Mechanisms(_), Self::Mechanisms(_)) => true,
+            | (Self::Mechanisms(_), Self::Mechanisms(_))
+            | (Self::Shear { .. }, Self::Shear { .. }) => true,
             _ => false,
         }
     }

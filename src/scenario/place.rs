@@ -28,8 +28,10 @@ pub(super) fn finite(field: &'static str, at: Vec3) -> Result<(), EditError> {
 pub(super) fn sow(world: &mut World, planting: &Planting, species: Arc<Species>, seed: u64) {
     world.spawn((
         Plant { species, seed: seed.wrapping_add(planting.seed) },
-        Transform::from_translation(planting.at)
-            .with_rotation(Quat::from_rotation_y(planting.turn_deg.to_radians())),
+        Transform::from_translation(planting.at).with_rotation(
+            Quat::from_rotation_y(planting.turn_deg.to_radians())
+                * Quat::from_rotation_x(planting.tilt_deg.to_radians()),
+        ),
     ));
 }
 

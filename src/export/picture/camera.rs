@@ -80,7 +80,10 @@ impl Bounds {
     /// The bounds of a scene.
     pub fn of(scene: &Scene) -> Self {
         let mut bounds = Self::default();
+        // What has sunk into the ground is not to be seen.
+        let floor = scene.ground.unwrap_or(f32::NEG_INFINITY);
         let mut add = |p: Vec3, r: f32| {
+            let p = p.with_y(p.y.max(floor));
             let span = Span { min: p - Vec3::splat(r), max: p + Vec3::splat(r) };
             bounds.plants = Some(bounds.plants.map_or(span, |all| all.union(span)));
         };
