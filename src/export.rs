@@ -5,6 +5,8 @@ mod error;
 pub mod film;
 pub mod gltf;
 pub mod harvest;
+pub mod mtg;
+pub mod obj;
 pub mod picture;
 pub mod plot;
 pub mod reel;

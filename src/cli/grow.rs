@@ -5,6 +5,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use burgeon::export::harvest::{self, Harvest, export_all};
+use burgeon::export::mtg::save_mtg;
+use burgeon::export::obj::save_obj;
 use burgeon::export::picture::Palette;
 use burgeon::export::reel::Reel;
 use burgeon::files::{Likeness, RunFile, SaveError, StepHashes};
@@ -30,6 +32,14 @@ pub struct Grow {
     #[arg(long)]
     timelapse: bool,
 
+    /// Also write tree.obj and tree.mtl.
+    #[arg(long)]
+    obj: bool,
+
+    /// Also write tree.mtg, OpenAlea's Multiscale Tree Graph.
+    #[arg(long)]
+    mtg: bool,
+
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
@@ -43,7 +53,7 @@ pub struct Grow {
     resume: Option<PathBuf>,
 
     /// Grow one tree for each seed, such as 1..100, into one table seeds.csv with mean and spread.
-    #[arg(long, value_name = "FIRST..LAST", conflicts_with_all = ["seed", "timelapse", "save"])]
+    #[arg(long, value_name = "FIRST..LAST", conflicts_with_all = ["seed", "timelapse", "save", "obj", "mtg"])]
     seeds: Option<SeedRange>,
 }
 
@@ -138,6 +148,12 @@ impl Grow {
         if self.timelapse {
             names.push("growth.gif");
         }
+        if self.obj {
+            names.extend(["tree.obj", "tree.mtl"]);
+        }
+        if self.mtg {
+            names.push("tree.mtg");
+        }
         let scenario = growing.run.scenario.name.clone();
         let mut folder = self.output.folder(&scenario, &names)?;
         output::free(self.save.iter().cloned(), self.output.force)?;
@@ -169,6 +185,13 @@ impl Grow {
         let workers = self.input.common.workers()?;
         let written = export_all(&harvest, folder.path(), &workers)?;
         folder.written.extend(written);
+        if self.obj {
+            save_obj(&harvest.snapshot, &folder.file("tree.obj"))?;
+            folder.file("tree.mtl");
+        }
+        if self.mtg {
+            save_mtg(&harvest.snapshot, &folder.file("tree.mtg"))?;
+        }
         if self.timelapse {
             let palette = Palette::of_snapshot(&harvest.snapshot);
             reel.end(growing.garden.steps(), harvest.scene);

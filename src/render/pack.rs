@@ -10,6 +10,7 @@ use bevy::prelude::*;
 
 use super::record::{PlantEntry, Record};
 use crate::plant::Snapshot;
+use crate::shape::bark::Bark;
 use crate::shape::foliage::Foliage;
 use crate::shape::outline::LeafOutline;
 
@@ -179,13 +180,14 @@ fn entries(union: &union::Union, count: usize) -> Vec<PlantEntry> {
             let of = |crowns: &[[f32; 4]]| crowns.get(i).copied().filter(|crown| crown[3] > 0.0);
             of(crowns).or_else(|| of(other)).unwrap_or(plant.position.extend(0.0).to_array())
         };
-        let [r, g, b] = species.bark_color.linear();
+        let bark = Bark::of(species);
         let [lr, lg, lb] = species.leaf_color.linear();
         *entry = PlantEntry {
             base: plant.position.extend(0.0).to_array(),
             crown_before: crown(&before, &now),
             crown_now: crown(&now, &before),
-            bark: [r, g, b, 1.0],
+            bark: bark.old.extend(bark.pattern as u32 as f32).to_array(),
+            twig: bark.young.extend(bark.old_radius).to_array(),
             leaf: [lr, lg, lb, species.leaf_length_m],
             margin: margin(species.leaf_outline).0,
         };

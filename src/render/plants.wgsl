@@ -21,7 +21,10 @@ struct Plant {
     base: vec4<f32>,
     crown_before: vec4<f32>,
     crown_now: vec4<f32>,
+    // Old bark; which pattern it has.
     bark: vec4<f32>,
+    // Bark of twigs; the radius from which bark is old.
+    twig: vec4<f32>,
     leaf: vec4<f32>,
     margin: array<vec4<f32>, 4>,
 }
@@ -49,6 +52,10 @@ struct Clock {
 const BASE: u32 = 1u;
 const DYING: u32 = 2u;
 const TAU: f32 = 6.2831853;
+// Patterns of bark that differ from ridges, in the order of `BarkPattern`.
+const SMOOTH: f32 = 1.0;
+const BANDED: f32 = 3.0;
+const RINGED: f32 = 4.0;
 
 struct Vertex {
     @builtin(instance_index) instance_index: u32,
@@ -177,6 +184,14 @@ fn ring(index: u32) -> RingState {
     return out;
 }
 
+// Bark of a stem of that radius: young on twigs, old on stout stems.
+fn bark_color(plant: u32, radius: f32) -> vec3<f32> {
+    let oldest = plants[plant].twig.w;
+    let t = saturate((radius / max(oldest, 1e-6) - 0.25) / 0.75);
+    let age = select(t * t * (3.0 - 2.0 * t), 1.0, oldest <= 0.0);
+    return mix(plants[plant].twig.rgb, plants[plant].bark.rgb, age);
+}
+
 fn branch(first: u32, packed: u32) -> Point {
     var out: Point;
     let index = first + (packed & 0xffffu) + (packed >> 24u);
@@ -192,8 +207,10 @@ fn branch(first: u32, packed: u32) -> Point {
     out.uv = vec2(u, at.along);
     let false_color = overlay(at.who, at.before, at.now, clock.time.x);
     let plant = at.who & 0xffffu;
-    out.uv_b = vec2(at.radius, false_color.a);
-    out.color = vec4(mix(plants[plant].bark.rgb, false_color.rgb, false_color.a), f32(mark_of(far)));
+    // The pattern rides on the radius, which stays well below.
+    out.uv_b = vec2(min(at.radius, 15.0) + 16.0 * plants[plant].bark.w, false_color.a);
+    let own = bark_color(plant, at.radius);
+    out.color = vec4(mix(own, false_color.rgb, false_color.a), f32(mark_of(far)));
     return out;
 }
 
@@ -411,14 +428,27 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     pbr.material.diffuse_transmission = 0.5;
     pbr.diffuse_occlusion = vec3(in.uv_b.x);
 #else
-    let radius = in.uv_b.x;
+    let pattern = floor(in.uv_b.x / 16.0 + 0.001);
+    let radius = in.uv_b.x - 16.0 * pattern;
     // Tiles double in number as a stem doubles in girth, one set fading into the next.
     let level = max(log2(max(TAU * radius, 1e-4) / 0.32), 0.0);
     let tiles = exp2(floor(level));
     let along = in.uv.y / 0.42;
     let bark = mix(bark_at(in.uv.x, along, tiles), bark_at(in.uv.x, along, tiles * 2.0), fract(level));
     // Twigs are smooth.
-    let rough = smoothstep(0.004, 0.05, radius) * plain;
+    let streak = bark_at(in.uv.x, in.uv.y * 2.3, 2.0).a;
+    var rough = smoothstep(0.004, 0.05, radius) * plain;
+    if pattern == SMOOTH || pattern == BANDED {
+        rough *= 0.3;
+    }
+    if pattern == BANDED {
+        // Level streaks on the stouter stems.
+        color *= 1.0 - 0.85 * smoothstep(0.56, 0.64, streak) * smoothstep(0.02, 0.05, radius) * plain;
+    }
+    if pattern == RINGED {
+        let ring = abs(fract(in.uv.y / 0.09) - 0.5);
+        color *= 1.0 - 0.45 * (1.0 - smoothstep(0.0, 0.2, ring)) * plain;
+    }
     let crust = bark.a - 0.5;
     color *= mix(1.0, (0.55 + 1.0 * bark.b) * (1.0 + 0.3 * crust), 0.35 * plain + 0.65 * rough);
     color *= mix(vec3(1.0), vec3(1.0 + 0.14 * crust, 1.0, 1.0 - 0.16 * crust), rough);

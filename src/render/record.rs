@@ -203,8 +203,10 @@ pub struct PlantEntry {
     pub crown_before: [f32; 4],
     /// The same at the end of the step.
     pub crown_now: [f32; 4],
-    /// Colour of bark, linear; how rough its bark is, 0..1.
+    /// Colour of old bark, linear; the number of its pattern.
     pub bark: [f32; 4],
+    /// Colour of the bark of twigs, linear; radius from which bark is old, metres.
+    pub twig: [f32; 4],
     /// Colour of leaves, linear; length of the largest blade, metres.
     pub leaf: [f32; 4],
     /// Points of a blade's margin: place on the midrib and half width, both 0..1; two points a row.
@@ -220,9 +222,9 @@ mod tests {
     }
 
     #[test]
-    fn a_record_is_sixteen_words_and_a_plant_nine_rows() {
+    fn a_record_is_sixteen_words_and_a_plant_ten_rows() {
         assert_eq!(size_of::<Record>(), 64);
-        assert_eq!(size_of::<PlantEntry>(), 9 * 16);
+        assert_eq!(size_of::<PlantEntry>(), 10 * 16);
     }
 
     #[test]

@@ -81,6 +81,26 @@ struct Stem {
 
 /// Pairs of internodes that run into each other although they do not meet at a node (`LK-17`).
 pub fn collisions(shot: &Snapshot) -> usize {
+    meetings(shot, f32::MAX, |_, _| true)
+}
+
+/// Pairs of internodes of two axes that run through each other, each taken no thicker than it began: what has grown
+/// together since is no tangle.
+pub fn tangles(shot: &Snapshot) -> usize {
+    // For every organ, the first stem of the axis it belongs to.
+    let mut axis: Vec<u32> = (0..shot.len() as u32).collect();
+    for i in 0..shot.len() {
+        let parent = shot.parent[i];
+        if parent != NO_PARENT && shot.order[parent as usize] == shot.order[i] {
+            axis[i] = axis[parent as usize];
+        }
+    }
+    let twig = shot.plants.iter().flatten().map(|plant| plant.species.twig_radius_m).fold(0.0, f32::max);
+    meetings(shot, twig, |a, b| axis[a as usize] != axis[b as usize])
+}
+
+/// Pairs of stems that meet elsewhere than at a node, taken no thicker than `most` (metres), of those that count.
+fn meetings(shot: &Snapshot, most: f32, counts: impl Fn(u32, u32) -> bool) -> usize {
     let mut stems: Vec<Stem> = shot
         .state
         .iter()
@@ -90,7 +110,15 @@ pub fn collisions(shot: &Snapshot) -> usize {
             let (from, to) = (shot.pose[i].position, shot.pose[i].tip(wood.length));
             let girth = Vec3::splat(wood.radius);
             let (low, high) = (from.min(to) - girth, from.max(to) + girth);
-            Some(Stem { from, to, radius: wood.radius, low, high, index: i as u32, parent: shot.parent[i] })
+            Some(Stem {
+                from,
+                to,
+                radius: wood.radius.min(most),
+                low,
+                high,
+                index: i as u32,
+                parent: shot.parent[i],
+            })
         })
         .collect();
     stems.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
@@ -99,7 +127,8 @@ pub fn collisions(shot: &Snapshot) -> usize {
         for b in stems[k + 1..].iter().take_while(|b| b.low.x <= a.high.x) {
             let meet_at_node = a.parent == b.parent || a.parent == b.index || b.parent == a.index;
             let apart = a.low.cmpgt(b.high).any() || b.low.cmpgt(a.high).any();
-            if !meet_at_node && !apart && segment_gap((a.from, a.to), (b.from, b.to)) < a.radius + b.radius {
+            let far = meet_at_node || apart || !counts(a.index, b.index);
+            if !far && segment_gap((a.from, a.to), (b.from, b.to)) < a.radius + b.radius {
                 pairs += 1;
             }
         }

@@ -1,0 +1,109 @@
+//! Form at ten years, and in release at thirty: ranges over five seeds, with what real trees measure.
+
+use burgeon::plant::measure::Form;
+use burgeon::reproduce::measure::tangles;
+
+use super::*;
+
+/// A measure of form, and its range.
+type Measure = (&'static str, fn(&Form) -> f64);
+
+/// What is measured, in the order of the ranges below.
+const MEASURES: [Measure; 6] = [
+    ("height, m", |form| form.height_m.into()),
+    ("crown width, m", |form| form.crown_width_m.into()),
+    ("live crown base over height", |form| (form.live_crown_base_m / form.height_m).into()),
+    ("widest height over height", |form| (form.widest_height_m / form.height_m).into()),
+    ("share of side axes that droops", |form| form.drooping_share.into()),
+    ("diameter at breast height, m", |form| form.breast_diameter_m.into()),
+];
+
+/// A species at an age: the ranges of [`MEASURES`], and height and crown width of real ones, metres.
+struct Known {
+    name: &'static str,
+    ranges: [(f64, f64); 6],
+    real: (f64, f64),
+}
+
+include!("ranges.rs");
+
+fn forms(name: &str, years: u32) -> Vec<Form> {
+    let resolved = alone(name);
+    let steps = years * resolved.species[name].steps_per_year;
+    over_seeds(1..6, |seed| Form::of(&last(resolved.clone(), seed, steps), None))
+}
+
+/// Measures every species and holds it against its ranges; all that does not fit is told at once.
+fn measured(years: u32, known: &[Known]) {
+    let mut wrong = Vec::new();
+    for species in known {
+        let forms = forms(species.name, years);
+        let mut row = format!("{:16}", species.name);
+        for ((what, of), (low, high)) in MEASURES.iter().zip(species.ranges) {
+            let values: Vec<f64> = forms.iter().map(of).collect();
+            let (least, most) = values.iter().fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
+            row += &format!(" ({least:.2}, {most:.2}),");
+            if least < low || most > high {
+                wrong.push(format!("{} {what}: {least:.3} to {most:.3}, not {low} to {high}", species.name));
+            }
+        }
+        let (height, width) = species.real;
+        println!("{row} real {height} x {width}");
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// No two species share all ranges.
+fn all_differ(known: &[Known]) {
+    for (i, a) in known.iter().enumerate() {
+        for b in &known[i + 1..] {
+            let apart = a.ranges.iter().zip(&b.ranges).any(|(a, b)| a.1 < b.0 || b.1 < a.0);
+            assert!(apart, "{} and {} share all ranges", a.name, b.name);
+        }
+    }
+}
+
+#[test]
+fn at_ten_years_every_species_has_its_form() {
+    measured(10, &AT_TEN);
+    let names: Vec<&str> = AT_TEN.iter().map(|species| species.name).collect();
+    assert!(trees().iter().all(|name| names.contains(&name.as_str())), "all are known: {names:?}");
+}
+
+/// Thirty years of thirteen species take half an hour without optimisation.
+#[cfg(not(debug_assertions))]
+#[test]
+fn at_thirty_years_every_species_has_its_form() {
+    measured(30, &AT_THIRTY);
+}
+
+#[test]
+fn no_two_species_share_all_ranges() {
+    all_differ(&AT_THIRTY);
+}
+
+/// Real trees of these sizes: no range may lie beside them, a factor of two either way.
+#[test]
+fn ranges_at_thirty_years_hold_what_real_trees_measure() {
+    for species in &AT_THIRTY {
+        let [height, width, ..] = species.ranges;
+        for ((low, high), real) in [(height, species.real.0), (width, species.real.1)] {
+            assert!(
+                low < 2.0 * real && high > 0.5 * real,
+                "{}: {low} to {high} against {real}",
+                species.name
+            );
+        }
+    }
+}
+
+#[test]
+fn branches_of_one_tree_hardly_run_through_each_other() {
+    for name in trees() {
+        let shot = last(alone(&name), 1, 11);
+        let stems = Form::of(&shot, None).internodes;
+        let each_thousand = 1000.0 * tangles(&shot) as f64 / f64::from(stems.max(1));
+        println!("{name}: {each_thousand:.1} tangles a thousand internodes");
+        assert!(each_thousand < 12.0, "{name}: {each_thousand}");
+    }
+}

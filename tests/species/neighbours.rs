@@ -1,0 +1,105 @@
+//! Dense stands, gaps and losses: what neighbours make of a tree, asserted over seeds for three species.
+
+use burgeon::plant::measure::Form;
+use burgeon::scenario::{Edit, apply};
+
+use super::*;
+use crate::common::measure::{mean_position, median};
+
+/// Species, and the steps in which each shows it.
+const THREE: [(&str, u32); 3] = [("oak", 11), ("silver_birch", 13), ("beech", 12)];
+
+#[test]
+fn in_a_dense_stand_a_tree_is_taller_for_its_width_and_bare_below() {
+    for (name, steps) in THREE {
+        // The one in the middle comes first.
+        let places = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z].map(|at| 0.9 * at);
+        let stand = Library::embedded().resolve(planted(name, places)).unwrap();
+        let forms = over_seeds(1..4, |seed| {
+            let open = Form::of(&last(alone(name), seed, steps), Some(0));
+            let dense = Form::of(&last(stand.clone(), seed, steps), Some(0));
+            (open, dense)
+        });
+        let of = |form: fn(&Form) -> f64| {
+            let (open, dense): (Vec<f64>, Vec<f64>) = forms.iter().map(|(a, b)| (form(a), form(b))).unzip();
+            (median(open), median(dense))
+        };
+        let slender = of(|form| f64::from(form.height_m / form.crown_width_m));
+        let width = of(|form| f64::from(form.crown_width_m));
+        let base = of(|form| f64::from(form.live_crown_base_m / form.height_m));
+        println!(
+            "{name}: height over width {slender:.2?}, width {width:.2?}, crown base over height {base:.2?}"
+        );
+        assert!(slender.1 > 1.15 * slender.0, "{name}: height over width {slender:?}");
+        assert!(width.1 < 0.9 * width.0, "{name}: width {width:?}");
+        assert!(base.1 > base.0, "{name}: crown base over height {base:?}");
+    }
+}
+
+#[test]
+fn beside_a_wall_a_crown_leans_into_the_open() {
+    for (name, steps) in THREE {
+        let middle = |resolved: ResolvedScenario, seed: u64| {
+            let shot = last(resolved, seed, steps - 2);
+            let is_leaf = |i: usize| shot.state[i].kind() == burgeon::plant::OrganKind::Leaf;
+            f64::from(mean_position(&shot, is_leaf).x)
+        };
+        let leans = over_seeds(1..6, |seed| {
+            let mut resolved = alone(name);
+            let open = middle(resolved.clone(), seed);
+            resolved.scenario.solids = vec![PlacedSolid {
+                shape: SolidShape::Box { size: Vec3::new(0.4, 8.0, 12.0) },
+                at: Vec3::new(-0.9, 4.0, 0.0),
+                ..default()
+            }];
+            middle(resolved, seed) - open
+        });
+        println!("{name}: with the wall the crown's middle is {leans:.2?} m farther out");
+        assert!(median(leans.clone()) > 0.15, "{name}: {leans:?}");
+        assert!(leans.iter().filter(|lean| **lean > 0.0).count() >= 4, "{name}: {leans:?}");
+    }
+}
+
+#[test]
+fn after_losing_half_its_crown_a_tree_refills_the_gap() {
+    const YEARS: u32 = 5;
+    for (name, steps) in THREE {
+        let regrown = over_seeds(1..4, |seed| {
+            let mut garden = garden(alone(name), seed);
+            for _ in 0..steps {
+                garden.step().unwrap();
+            }
+            let side = |shot: &Snapshot| {
+                let leaf = |i: usize| shot.state[i].kind() == burgeon::plant::OrganKind::Leaf;
+                (0..shot.len()).filter(|&i| leaf(i) && shot.pose[i].position.x > 0.1).count() as f64
+            };
+            let before = side(&garden.snapshot());
+            prune_side(&mut garden);
+            let cut = side(&garden.snapshot());
+            for _ in 0..YEARS {
+                garden.step().unwrap();
+            }
+            (cut / before, side(&garden.snapshot()) / before)
+        });
+        println!("{name}: of the half lost, left and {YEARS} years later {regrown:.2?}");
+        let after = median(regrown.iter().map(|(_, after)| *after).collect());
+        assert!(after > 0.6, "{name}: {after}");
+        assert!(regrown.iter().all(|(cut, after)| *after > 2.0 * cut), "{name}: {regrown:?}");
+    }
+}
+
+/// Cuts every limb that begins on the side, at its base, and leaves the trunk.
+fn prune_side(garden: &mut burgeon::scenario::Garden) {
+    loop {
+        let shot = garden.snapshot();
+        let limb = (0..shot.len()).find(|&i| {
+            let parent = shot.parent[i];
+            shot.state[i].kind() == burgeon::plant::OrganKind::Internode
+                && parent != burgeon::plant::NO_PARENT
+                && shot.order[i] > shot.order[parent as usize]
+                && shot.pose[i].tip(shot.length(i)).x > 0.1
+        });
+        let Some(limb) = limb else { return };
+        apply(garden.world_mut(), &Edit::Prune { plant: 0, lineage: shot.lineage[limb].0 }).unwrap();
+    }
+}
