@@ -31,6 +31,8 @@ pub struct FreshNode {
     pub rank: f32,
     /// Whether it is the last of its growth unit.
     pub ends_unit: bool,
+    /// Whether that unit is a short shoot, which bears no whorl.
+    pub short: bool,
 }
 
 /// The nodes formed in this step, a resource.
@@ -143,7 +145,7 @@ pub fn form_nodes(
         let mut organs = layout(species, node.phyllotaxis, order.0);
         let lineage = node_lineage(identity.lineage, node.node);
         let mut spread = chance::stream(plant.seed, lineage, step.0, Purpose::Divergence);
-        if node.ends_unit {
+        if node.ends_unit && !node.short {
             organs.extend(whorl(species, node.phyllotaxis, order.0));
         }
         for organ in &mut organs {

@@ -270,6 +270,7 @@ pub fn extend_shoots(
                     phyllotaxis: segment.phyllotaxis,
                     rank: (k + 1) as f32 / count,
                     ends_unit: Some(k) == last,
+                    short: plan.closes,
                 });
             }
             stem = (index, internode);

@@ -107,3 +107,26 @@ fn branches_of_one_tree_hardly_run_through_each_other() {
         assert!(each_thousand < 12.0, "{name}: {each_thousand}");
     }
 }
+
+/// Crown width of an open-grown tree by its diameter at breast height (cm): `ln CW = a + b ln D`, Hasenauer 1997.
+#[cfg(not(debug_assertions))]
+#[test]
+fn crown_width_follows_trunk_diameter_as_in_open_grown_trees() {
+    for (name, a, b) in [
+        ("oak", -0.397, 0.733),
+        ("silver_birch", 0.178, 0.567),
+        ("norway_spruce", -0.323, 0.644),
+        ("scots_pine", -0.180, 0.627),
+        ("beech", 0.266, 0.607_f64),
+    ] {
+        let ratios: Vec<f64> = forms(name, 30)
+            .iter()
+            .map(|form| {
+                let diameter_cm = 100.0 * f64::from(form.breast_diameter_m);
+                f64::from(form.crown_width_m) / (a + b * diameter_cm.ln()).exp()
+            })
+            .collect();
+        println!("{name}: crown width over Hasenauer's {ratios:.2?}");
+        assert!(ratios.iter().all(|ratio| (0.6..1.6).contains(ratio)), "{name}: {ratios:?}");
+    }
+}

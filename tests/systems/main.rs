@@ -160,6 +160,7 @@ fn fresh_node(nursery: &mut Nursery, stem: Entity, bud: Entity) {
         phyllotaxis: 0.0,
         rank: 1.0,
         ends_unit: true,
+        short: false,
     };
     nursery.app.world_mut().resource_mut::<FreshNodes>().0.push(node);
 }
