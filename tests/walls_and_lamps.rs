@@ -7,7 +7,7 @@ use burgeon::assets::Library;
 use burgeon::environment::{Sky, Solid, SolidShape, StandingSolid, standing_solids};
 use burgeon::files::ResolvedScenario;
 use burgeon::plant::{Bears, Cause, Fallen, Identity, OrganKind, OrganState, Plant, Roster, Snapshot, shed};
-use burgeon::scenario::{Edit, Garden, PlacedSolid, Planting, TimedEdit, apply};
+use burgeon::scenario::{Edit, Garden, PlacedLamp, PlacedSolid, Planting, TimedEdit, apply};
 use burgeon::species::Species;
 use common::by_hand::Nursery;
 use common::check::{check, check_solids, check_world};
@@ -229,6 +229,23 @@ fn topping_cuts_all_that_begins_above_a_height() {
     check(&after).unwrap();
 }
 
+#[test]
+fn shears_leave_nothing_outside_their_block_whichever_corners_name_it() {
+    let (from, to) = (Vec3::new(0.25, -0.1, 0.3), Vec3::new(-0.3, 0.9, -0.25));
+    let left = |from: Vec3, to: Vec3| {
+        let mut garden = grown(quick("figure_1c"), 3, 9);
+        assert!(apply(garden.world_mut(), &Edit::Shear { from, to }).unwrap().shed > 0);
+        let after = garden.snapshot();
+        check(&after).unwrap();
+        after
+    };
+    let after = left(from, to);
+    let inside = |p: Vec3| p.cmpge(from.min(to)).all() && p.cmple(from.max(to)).all();
+    assert!(!after.is_empty());
+    assert!((0..after.len()).all(|i| inside(after.pose[i].tip(after.length(i)))));
+    assert_eq!(after, left(to, from));
+}
+
 /// Runs on a thread with a small stack, where deep recursion would overflow.
 fn on_a_small_stack(task: impl FnOnce() + Send + 'static) {
     std::thread::Builder::new().stack_size(512 << 10).spawn(task).unwrap().join().unwrap();
@@ -414,4 +431,42 @@ fn edits_that_name_nothing_change_nothing() {
         assert!(apply(garden.world_mut(), &edit).is_err(), "{edit:?}");
         assert_eq!(garden.snapshot(), before);
     }
+}
+
+#[test]
+fn what_is_moved_elsewhere_sheds_nothing_of_a_tree_that_leans_on_a_wall() {
+    let mut resolved = quick("figure_1d");
+    let wall = PlacedSolid {
+        shape: SolidShape::Box { size: Vec3::new(0.2, 4.0, 6.0) },
+        at: Vec3::new(-0.16, 2.0, 0.0),
+        ..default()
+    };
+    resolved.scenario.solids = vec![wall];
+    resolved.scenario.lamps =
+        vec![PlacedLamp { name: "far".into(), at: Vec3::new(6.0, 3.0, 0.0), ..default() }];
+    resolved.species.get_mut("lam_king").unwrap().twig_radius_m = 0.02;
+    let mut garden = grown(resolved, 2, 9);
+    let touching = |shot: &burgeon::plant::Snapshot| {
+        (0..shot.len())
+            .filter(|&i| match &shot.state[i] {
+                OrganState::Internode(wood, _) => shot.pose[i].position.x - wood.radius < -0.06,
+                _ => false,
+            })
+            .count()
+    };
+    assert!(touching(&garden.snapshot()) > 0, "its bark presses on the wall");
+    let before = garden.organs();
+    let world = garden.world_mut();
+    let moved = Edit::Move { name: "far".into(), to: Vec3::new(6.0, 3.1, 0.0), turn_deg: 0.0 };
+    assert_eq!(apply(world, &moved).unwrap().shed, 0);
+    let copied = Edit::Duplicate { name: "far".into(), copy: "near".into(), to: Vec3::new(3.0, 3.0, 0.0) };
+    assert_eq!(apply(world, &copied).unwrap().shed, 0);
+    let ball = PlacedSolid {
+        name: "ball".into(),
+        shape: SolidShape::Ball { radius: 0.2 },
+        at: Vec3::X * 9.0,
+        ..default()
+    };
+    assert_eq!(apply(world, &Edit::PlaceSolid(ball)).unwrap().shed, 0);
+    assert_eq!(garden.organs(), before);
 }
