@@ -84,9 +84,14 @@ pub fn layout(species: &Species, phyllotaxis: f32, order: u32) -> Vec<NodeOrgan>
 pub fn whorl(species: &Species, phyllotaxis: f32, order: u32) -> impl Iterator<Item = NodeOrgan> {
     let buds = if order < species.max_order { species.whorl_buds.get(order).round() as u32 } else { 0 };
     let branching = species.branching_angle(order);
+    // Between the lateral buds of the node, if it has any.
+    let between = if species.lateral_buds_per_node > 0 { core::f32::consts::PI / buds as f32 } else { 0.0 };
     (0..buds).map(move |k| NodeOrgan {
         kind: OrganKind::LateralBud,
-        attachment: leaving(phyllotaxis + core::f32::consts::TAU * k as f32 / buds as f32, branching),
+        attachment: leaving(
+            phyllotaxis + between + core::f32::consts::TAU * k as f32 / buds as f32,
+            branching,
+        ),
         order: 1,
     })
 }
