@@ -216,7 +216,7 @@ pub fn form_nodes(
     }
 }
 
-/// A leaf sunk away from its stem by an angle (radians), not beyond [`LOWEST`].
+/// A leaf sunk away from its stem by an angle (radians), to 150 degrees at most.
 pub fn drooped(attachment: Quat, by: f32) -> Quat {
     /// Lower no leaf hangs.
     const LOWEST: f32 = 150.0 / 180.0 * core::f32::consts::PI;
