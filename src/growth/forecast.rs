@@ -14,9 +14,13 @@ pub fn borne_by_bud(species: &Species, order: u32, energy: f32) -> usize {
     let plan = plan(species, energy);
     let nodes = ((plan.length / species.node_spacing_m).ceil() as u32).saturating_add(1).min(plan.nodes);
     // The last segment before each node is cut to fit.
-    let segments = ((plan.length / species.internode_m).ceil() as u32).saturating_add(nodes);
+    let whole = (plan.length / species.internode_m).ceil() as u32;
+    let segments =
+        if species.internode_m < species.node_spacing_m { whole.saturating_add(nodes) } else { nodes };
     let at_each = species.leaves_per_node + species.lateral_buds_per_node + species.apical_buds_per_node;
-    let at_end = species.whorl_buds.get(order).round() as u32 + species.fork_shoots;
+    let whorl = if plan.closes { 0 } else { species.whorl_buds.get(order).round() as u32 };
+    let fork = if species.terminal_death.get(order) > 0.0 { species.fork_shoots } else { 0 };
+    let at_end = whorl + fork;
     (nodes as usize).saturating_mul(at_each as usize).saturating_add(segments as usize + at_end as usize)
 }
 

@@ -6,6 +6,7 @@ use crate::environment::obstacles::touches;
 use crate::environment::sense::room::segment_gap;
 use crate::environment::{SolidShape, StandingSolid};
 use crate::plant::{NO_PARENT, OrganKind, OrganState, Snapshot};
+use crate::species::Species;
 
 /// The mean; 0 of nothing.
 pub fn mean(values: &[f64]) -> f64 {
@@ -84,8 +85,9 @@ pub fn collisions(shot: &Snapshot) -> usize {
     meetings(shot, f32::MAX, |_, _| true)
 }
 
-/// Pairs of internodes of two axes that run through each other, each taken no thicker than it began: what has grown
-/// together since is no tangle.
+/// Pairs of internodes of two axes that run through each other, each taken no thicker than it began, and farther than
+/// three node spacings apart along the wood: what has grown together since is no tangle, nor are the shoots of one
+/// fork.
 pub fn tangles(shot: &Snapshot) -> usize {
     // For every organ, the first stem of the axis it belongs to.
     let mut axis: Vec<u32> = (0..shot.len() as u32).collect();
@@ -95,8 +97,29 @@ pub fn tangles(shot: &Snapshot) -> usize {
             axis[i] = axis[parent as usize];
         }
     }
-    let twig = shot.plants.iter().flatten().map(|plant| plant.species.twig_radius_m).fold(0.0, f32::max);
-    meetings(shot, twig, |a, b| axis[a as usize] != axis[b as usize])
+    let most = |of: fn(&Species) -> f32| {
+        shot.plants.iter().flatten().map(|plant| of(&plant.species)).fold(0.0, f32::max)
+    };
+    let (twig, near) = (most(|species| species.twig_radius_m), 3.0 * most(|species| species.node_spacing_m));
+    meetings(shot, twig, |a, b| axis[a as usize] != axis[b as usize] && way_between(shot, a, b, near) > near)
+}
+
+/// Length of wood between two stems, metres, through what both grow from, as far as it is no longer than `most`.
+fn way_between(shot: &Snapshot, a: u32, b: u32, most: f32) -> f32 {
+    let (mut a, mut b, mut way) = (a, b, 0.0);
+    while a != b && way <= most {
+        // Parents come first: the later-born of two is the one farther out.
+        let (farther, other) = if a > b { (&mut a, b) } else { (&mut b, a) };
+        *farther = match shot.parent[*farther as usize] {
+            NO_PARENT => return f32::INFINITY,
+            below => below,
+        };
+        // Neither the stems themselves nor the one both grow from: only what is between them.
+        if *farther != other {
+            way += shot.length(*farther as usize);
+        }
+    }
+    way
 }
 
 /// Pairs of stems that meet elsewhere than at a node, taken no thicker than `most` (metres), of those that count.
