@@ -138,6 +138,18 @@ impl Library {
         }
     }
 
+    /// One plant of a species in the field of the scenario `open`.
+    ///
+    /// # Errors
+    /// As [`Library::species`] and [`Library::scenario`].
+    pub fn alone(&self, species: &str) -> Result<ResolvedScenario, FileError> {
+        let mut scenario = self.scenario("open")?.scenario;
+        scenario.name = species.into();
+        scenario.description = format!("One {species} alone in an open field.");
+        scenario.plants.iter_mut().for_each(|plant| plant.species = species.into());
+        self.resolve(scenario)
+    }
+
     /// A scenario from the text of a file, with its species: those of the library, or files in `folder`.
     ///
     /// # Errors
@@ -263,7 +275,7 @@ fn is_plain(name: &str) -> bool {
 }
 
 impl Species {
-    /// A shipped species: `lam_king` or `oak`.
+    /// A shipped species, such as `oak`.
     ///
     /// # Errors
     /// If there is none of that name.

@@ -4,13 +4,13 @@ use burgeon::assets::Library;
 use burgeon::environment::Scene;
 use burgeon::environment::trace::Tracer;
 use burgeon::environment::workers::Workers;
-use burgeon::export::canvas::{framed, grid, side_by_side, titled};
+use burgeon::export::canvas::{PAPER, framed, grid, side_by_side, titled};
 use burgeon::export::film::save_png;
 use burgeon::export::picture::{Bounds, Camera, Palette, PictureSettings, render};
 use burgeon::files::ResolvedScenario;
 use burgeon::plant::measure::Form;
 use burgeon::scenario::Garden;
-use burgeon::species::{Allocation, Species};
+use burgeon::species::Allocation;
 use clap::Args;
 use image::RgbImage;
 
@@ -19,7 +19,6 @@ use super::output::{Output, progress, say};
 
 /// Where the camera stands, degrees from +z towards +x and above the foot.
 const STAND: (f32, f32) = (25.0, 3.0);
-const PAPER: [u8; 3] = burgeon::export::canvas::PAPER;
 
 /// Grow every species from seed in the open and show it young, grown and old, in leaf and bare, on one sheet.
 #[derive(Args, Debug)]
@@ -169,11 +168,7 @@ fn all(library: &Library) -> Result<Vec<String>, Failure> {
 
 /// One plant of a species in an open field, and its steps a year.
 pub fn alone(library: &Library, name: &str) -> Result<(ResolvedScenario, u32), Failure> {
-    let mut scenario = library.scenario("open")?.scenario;
-    scenario.name = name.into();
-    scenario.description = format!("One {name} alone in an open field.");
-    scenario.plants.iter_mut().for_each(|plant| plant.species = name.into());
-    let resolved = library.resolve(scenario)?;
-    let year = resolved.species.values().map(|species: &Species| species.steps_per_year).next().unwrap_or(1);
+    let resolved = library.alone(name)?;
+    let year = resolved.species.values().map(|species| species.steps_per_year).next().unwrap_or(1);
     Ok((resolved, year))
 }

@@ -17,10 +17,7 @@ use common::{garden, over_seeds};
 
 /// A plant of a species alone in the open.
 fn alone(name: &str) -> ResolvedScenario {
-    let library = Library::embedded();
-    let mut scenario = library.scenario("open").unwrap().scenario;
-    scenario.plants[0].species = name.into();
-    library.resolve(scenario).unwrap()
+    Library::embedded().alone(name).unwrap()
 }
 
 /// Names of the species that share energy by vigour: the trees and shrubs.
