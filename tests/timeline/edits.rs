@@ -217,3 +217,19 @@ fn the_world_behind_it_stays_whole() {
     check_world(garden.world_mut()).unwrap();
     assert_eq!(garden.snapshot(), *timeline.shot(5).unwrap());
 }
+
+#[test]
+fn a_branch_cut_twice_at_one_step_is_cut_once() {
+    let mut timeline = timeline(4);
+    let cut = |timeline: &Timeline| {
+        let shot = timeline.shot(3).unwrap();
+        let i = shot.len() / 2;
+        Edit::Prune { plant: shot.plant[i], lineage: shot.lineage[i].0 }
+    };
+    let first = cut(&timeline);
+    timeline.edit(3, first.clone()).unwrap();
+    catch_up(&mut timeline);
+    let _ = timeline.edit(3, first);
+    catch_up(&mut timeline);
+    assert_as_afresh(&timeline);
+}

@@ -65,9 +65,11 @@ fn on_a_branch(shot: &Snapshot) -> Vec3 {
 /// Hashes by step of a garden grown afresh with the edits that were made and did not lapse.
 fn afresh(timeline: &Timeline, steps: u32) -> Vec<u64> {
     let mut resolved = timeline.begun().clone();
-    let lapsed: Vec<&TimedEdit> = timeline.lapsed().map(|(edit, _)| edit).collect();
-    let all = resolved.scenario.edits.iter().chain(timeline.made());
-    let edits = all.filter(|edit| !lapsed.contains(edit)).cloned().collect();
+    let mut edits: Vec<TimedEdit> = resolved.scenario.edits.iter().chain(timeline.made()).cloned().collect();
+    // Of two alike, such as cuts of one branch, the first is made and the second lapses.
+    for (lapsed, _) in timeline.lapsed() {
+        edits.remove(edits.iter().rposition(|edit| edit == lapsed).unwrap());
+    }
     resolved.scenario.edits = edits;
     resolved.scenario.order_edits();
     let mut garden = Garden::new(resolved, timeline.seed(), workers()).unwrap();
