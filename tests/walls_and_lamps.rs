@@ -16,12 +16,13 @@ use common::{garden, grown, over_seeds, quick};
 
 const SEEDS: std::ops::Range<u64> = 1..11;
 
-/// A scenario whose oaks stay small, looking around through the smallest faces.
+/// A scenario whose oaks earn two thirds of the usual, for small trees in little time, and look around through the
+/// smallest faces.
 fn small_oaks(name: &str) -> ResolvedScenario {
     let mut resolved = quick(name);
     resolved.scenario.sensing.leaf_face = 2;
     resolved.scenario.sensing.bud_face = 4;
-    resolved.species.get_mut("oak").unwrap().leaf_income = 3.5;
+    resolved.species.get_mut("oak").unwrap().leaf_income = 5.0;
     resolved
 }
 
@@ -40,8 +41,8 @@ fn the_crown_leans_to_the_lamp() {
     let lean: Vec<f32> = trees.iter().map(|shot| wood_centroid(shot, 0).x).collect();
     let heading: Vec<f32> = trees.iter().map(|shot| heading_x(shot, 10..20)).collect();
     println!("lamp at x = 4 m: wood centred at {lean:.2?} m, the crown heads {heading:.2?} that way");
-    assert!(heading.iter().all(|&x| x > 0.05), "every crown grows towards the lamp: {heading:?}");
-    assert!(lean.iter().sum::<f32>() / lean.len() as f32 > 0.05, "and the trees lean to it: {lean:?}");
+    assert!(heading.iter().all(|&x| x > 0.2), "every crown grows towards the lamp: {heading:?}");
+    assert!(lean.iter().all(|&x| x > 0.2), "and every tree leans to it: {lean:?}");
 }
 
 #[test]
@@ -106,10 +107,9 @@ fn no_branch_passes_through_a_solid_in_any_scenario() {
         }
         resolved.scenario.sensing.leaf_face = 2;
         resolved.scenario.sensing.bud_face = 4;
-        // Solids so near to the seedling that it cannot but grow against them, and buds that do not look out for room.
+        // Solids so near to a seedling that it cannot but grow against them, and buds that do not look out for room.
         for solid in &mut resolved.scenario.solids {
-            let away = solid.at.with_y(0.0);
-            solid.at -= away * (1.0 - (0.25 / away.length().max(0.25)));
+            solid.at += to_the_nearest_plant(solid, &resolved.scenario.plants);
         }
         for species in resolved.species.values_mut() {
             species.weight_space = 0.0;
@@ -133,6 +133,18 @@ fn no_branch_passes_through_a_solid_in_any_scenario() {
         println!("{name}: {trees} of 100 trees touch a solid, with {} stems", touching.iter().sum::<usize>());
         assert!(trees > 20, "{name}: only {trees} of 100 trees touch a solid");
     }
+}
+
+/// The way, level, that brings a solid to within a tenth of a metre of the plant nearest to it.
+fn to_the_nearest_plant(solid: &PlacedSolid, plants: &[Planting]) -> Vec3 {
+    let rotation = Quat::from_rotation_y(solid.turn_deg.to_radians());
+    let moved =
+        |way: Vec3| StandingSolid { shape: solid.shape, position: solid.at + way, rotation, color: [0.5; 3] };
+    let gap = |way: Vec3, plant: &Planting| distance_to(&moved(way), plant.at + Vec3::Y * 0.1);
+    let nearest =
+        plants.iter().min_by(|a, b| gap(Vec3::ZERO, a).total_cmp(&gap(Vec3::ZERO, b))).expect("plants");
+    let towards = (nearest.at - solid.at).with_y(0.0).normalize();
+    (0..1000).map(|cm| towards * 0.01 * cm as f32).find(|way| gap(*way, nearest) <= 0.1).expect("a way there")
 }
 
 /// How far a point is from the surface of a solid, metres; 0 inside.
