@@ -1,10 +1,15 @@
 //! Geometry from a [`Snapshot`](crate::plant::Snapshot): branch tubes, leaf surfaces, no rendering.
 
 pub mod bark;
+pub mod blade;
+pub mod crown;
 pub mod foliage;
 pub mod leaves;
+pub(crate) mod noise;
 pub mod outline;
+pub mod paint;
 mod surface;
+pub mod texture;
 pub mod tubes;
 
-pub use surface::Surface;
+pub use surface::{Place, Surface};

@@ -169,7 +169,7 @@ fn wood_and_leaves_of_the_scene_are_those_drawn() {
 fn glb_reads_back_as_the_plant() {
     let snapshot = tree();
     let mut bytes = Vec::new();
-    model::write_glb(&snapshot, &mut bytes).unwrap();
+    model::write_glb(&snapshot, default(), &mut bytes).unwrap();
     assert_eq!(bytes.len() % 4, 0);
     let gltf::Gltf { document, blob } = gltf::Gltf::from_slice(&bytes).unwrap();
     let blob = blob.unwrap();
@@ -217,7 +217,7 @@ fn glb_reads_back_as_the_plant() {
 #[test]
 fn a_model_of_nothing_is_still_a_model() {
     let mut bytes = Vec::new();
-    model::write_glb(&Snapshot::default(), &mut bytes).unwrap();
+    model::write_glb(&Snapshot::default(), default(), &mut bytes).unwrap();
     assert_eq!(gltf::Gltf::from_slice(&bytes).unwrap().meshes().count(), 0);
 }
 
@@ -319,7 +319,7 @@ fn form_measures_the_plant() {
 fn an_unwritable_file_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("missing").join("tree.glb");
-    let error = model::save_glb(&tree(), &path).unwrap_err();
+    let error = model::save_glb(&tree(), default(), &path).unwrap_err();
     assert!(matches!(&error, ExportError::Write { path: Some(p), .. } if *p == path));
     assert!(error.to_string().contains("tree.glb"));
 
@@ -363,7 +363,7 @@ proptest! {
             check_sound(surface);
         }
         let mut bytes = Vec::new();
-        model::write_glb(&snapshot, &mut bytes).unwrap();
+        model::write_glb(&snapshot, default(), &mut bytes).unwrap();
         gltf::Gltf::from_slice(&bytes).unwrap();
         let foliage = Foliage::of(&species);
         for blade in foliage.blades(&snapshot.pose[0], 0.0, Lineage::SEED) {

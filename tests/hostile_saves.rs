@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bevy::prelude::*;
 use burgeon::environment::workers::Workers;
 use burgeon::export::tables::{save_organs, save_steps};
-use burgeon::export::{ExportError, film, gltf::save_glb};
+use burgeon::export::{ExportError, film, gltf};
 use burgeon::files::{RunFile, SaveError, StepHashes, read_save, write_save};
 use burgeon::plant::{OrganState, Snapshot, SnapshotError, restore};
 use burgeon::scenario::{Garden, GardenSave, GardenSaveError, SavedRun};
@@ -194,7 +194,7 @@ fn no_writer_leaves_half_a_file() {
     let picture = image::RgbImage::new(4, 4);
     let write = |path: &Path| -> [bool; 6] {
         [
-            save_glb(&tree, path).is_ok(),
+            gltf::save_glb(&tree, default(), path).is_ok(),
             save_organs(&tree, path).is_ok(),
             save_steps(&records, path).is_ok(),
             film::save_png(path, &picture).is_ok(),
@@ -209,7 +209,9 @@ fn no_writer_leaves_half_a_file() {
     assert_eq!(write(&folder.path().join("none").join("file")), [false; 6]);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "only the folder that was there");
     assert_eq!(std::fs::read_dir(&taken).unwrap().count(), 0);
-    assert!(matches!(save_glb(&tree, &taken), Err(ExportError::Write { path: Some(p), .. }) if p == taken));
+    assert!(
+        matches!(gltf::save_glb(&tree, default(), &taken), Err(ExportError::Write { path: Some(p), .. }) if p == taken)
+    );
 
     let file = folder.path().join("file");
     std::fs::write(&file, "old").unwrap();

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::ExportError;
 use super::film::FilmError;
-use super::gltf::save_glb;
+use super::gltf::{GlbSettings, save_glb};
 use super::picture::Palette;
 use super::reel::save_picture;
 use super::tables::{save_organs, save_steps};
@@ -64,7 +64,7 @@ pub fn export_all(harvest: &Harvest, folder: &Path, workers: &Workers) -> Result
         .map_err(|source| HarvestError::Write { path: run.clone(), source })?;
     save_steps(&harvest.records, steps)?;
     save_organs(&harvest.snapshot, organs)?;
-    save_glb(&harvest.snapshot, model)?;
+    save_glb(&harvest.snapshot, GlbSettings::default(), model)?;
     save_picture(&harvest.scene, &Palette::of_snapshot(&harvest.snapshot), workers, picture)?;
     Ok(paths.into())
 }

@@ -5,31 +5,7 @@ use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerD
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 
-/// A well mixed hash of a number.
-fn hash(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7FEB_352D);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846C_A68B);
-    x ^ (x >> 16)
-}
-
-/// Smooth noise in 0..1 that repeats in x and y with period 1 and has this many cells in each.
-pub(super) fn periodic(x: f32, y: f32, cells: [u32; 2], seed: u32) -> f32 {
-    let split = |v: f32, cells: u32| {
-        let v = (v - v.floor()) * cells as f32;
-        let cell = v.floor();
-        let f = v - cell;
-        (cell as u32 % cells, (cell as u32 + 1) % cells, f * f * (3.0 - 2.0 * f))
-    };
-    let (x0, x1, sx) = split(x, cells[0]);
-    let (y0, y1, sy) = split(y, cells[1]);
-    let at = |x: u32, y: u32| {
-        (hash(hash(hash(seed) ^ x) ^ y.wrapping_mul(0x9E37_79B9)) >> 8) as f32 / 16_777_216.0
-    };
-    let row = |y: u32| at(x0, y) + (at(x1, y) - at(x0, y)) * sx;
-    row(y0) + (row(y1) - row(y0)) * sy
-}
+pub(super) use crate::shape::noise::{periodic, srgb};
 
 /// A square image that repeats, of four parts in 0..1, with its smaller copies; `size` is a power of two.
 pub(super) fn tile(
@@ -78,10 +54,4 @@ fn halves(size: usize, texels: Vec<[f32; 4]>) -> Vec<Vec<[f32; 4]>> {
         size = half;
     }
     levels
-}
-
-/// Linear to sRGB.
-pub(super) fn srgb(linear: f32) -> f32 {
-    let c = linear.clamp(0.0, 1.0);
-    if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * bevy::math::ops::powf(c, 1.0 / 2.4) - 0.055 }
 }

@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::noise::smooth;
 use crate::species::Species;
 
 /// What bark is like when it is old.
@@ -58,14 +59,52 @@ impl Bark {
         if self.old_radius <= 0.0 {
             return 1.0;
         }
-        let t = ((radius / self.old_radius - 0.25) / 0.75).clamp(0.0, 1.0);
-        t * t * (3.0 - 2.0 * t)
+        smooth(0.25, 1.0, radius / self.old_radius)
     }
 
     /// Its colour there, without its pattern.
     pub fn color(&self, radius: f32) -> Vec3 {
         self.young.lerp(self.old, self.age(radius))
     }
+
+    /// Its colour at a point of a stem of that radius (metres), linear RGB: furrows, plates, streaks or rings, as the
+    /// grain there has it.
+    pub fn at(&self, radius: f32, grain: &impl Grain) -> Vec3 {
+        let crust = grain.crust() - 0.5;
+        let warm = Vec3::new(1.0 + 0.10 * crust, 1.0, 1.0 - 0.12 * crust);
+        // How much of the mark shows, and how light or dark the rest is.
+        let (mark, shade) = match self.pattern {
+            BarkPattern::Furrowed => (0.0, 0.62 + 0.5 * smooth(0.2, 0.6, grain.ridge()) + 0.25 * crust),
+            BarkPattern::Smooth => (0.0, 0.92 + 0.3 * crust),
+            BarkPattern::Plates => (0.8 * (1.0 - smooth(0.12, 0.34, grain.plate())), 0.9 + 0.4 * crust),
+            BarkPattern::Banded => {
+                // At the foot of a stout trunk blotches meet.
+                let foot = 0.16 * smooth(0.06, 0.16, radius);
+                let blotch = smooth(0.66 - foot, 0.74 - foot, grain.blotch());
+                (smooth(0.68, 0.78, grain.streak()).max(blotch), 0.94 + 0.2 * crust)
+            }
+            BarkPattern::Ringed => {
+                (0.55 * (1.0 - smooth(0.0, 0.22, (grain.ring() - 0.5).abs())), 0.9 + 0.4 * crust)
+            }
+        };
+        self.color(radius).lerp(self.mark, mark * self.age(radius)) * warm * shade
+    }
+}
+
+/// What noise says of a point of bark, each 0..1: pictures ask noise in space, textures noise that repeats.
+pub trait Grain {
+    /// Whether its crust is dark and cool or light and warm.
+    fn crust(&self) -> f32;
+    /// From a furrow to the ridge beside it, along the stem.
+    fn ridge(&self) -> f32;
+    /// From a crack to the plate beside it.
+    fn plate(&self) -> f32;
+    /// High in a level streak.
+    fn streak(&self) -> f32;
+    /// High in a dark patch.
+    fn blotch(&self) -> f32;
+    /// From a ring around the stem, at 0.5, to either side.
+    fn ring(&self) -> f32;
 }
 
 #[cfg(test)]

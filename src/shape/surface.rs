@@ -2,6 +2,15 @@
 
 use bevy::prelude::*;
 
+/// Which part of the plant a vertex belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Place {
+    /// Index of its organ in the snapshot.
+    pub organ: u32,
+    /// How far along it, 0 at its base to 1 at its tip.
+    pub along: f32,
+}
+
 /// Triangles with normals and texture coordinates, front faces counter-clockwise.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Surface {
@@ -11,6 +20,8 @@ pub struct Surface {
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates of each vertex.
     pub uvs: Vec<[f32; 2]>,
+    /// What each vertex belongs to.
+    pub places: Vec<Place>,
     /// Three vertices a triangle.
     pub indices: Vec<u32>,
 }
@@ -34,12 +45,13 @@ impl Surface {
     }
 
     /// Adds a vertex and returns its index.
-    pub(super) fn vertex(&mut self, position: Vec3, normal: Vec3, uv: [f32; 2]) -> u32 {
+    pub(super) fn vertex(&mut self, position: Vec3, normal: Vec3, uv: [f32; 2], place: Place) -> u32 {
         // `limits::ORGANS` and at most 64 blades of 15 vertices an organ keep this below 2^32.
         let index = self.positions.len() as u32;
         self.positions.push(position.into());
         self.normals.push(normal.into());
         self.uvs.push(uv);
+        self.places.push(place);
         index
     }
 

@@ -6,7 +6,7 @@
 use bevy::math::ops;
 use bevy::prelude::*;
 
-use super::Surface;
+use super::{Place, Surface};
 use crate::plant::{Internode, NO_PARENT, OrganState, Snapshot};
 
 /// Fewest and most sides of a tube.
@@ -19,6 +19,8 @@ const FLARE: f32 = 1.35;
 const TIP: f32 = 0.5;
 /// Width of a tile of bark about which tiles are made to fit, metres.
 const BARK_TILE: f32 = 0.4;
+/// Least length of a tile, metres: bark on twigs is drawn out.
+const LEAST_TILE: f32 = 0.1;
 
 /// The internodes of all plants as axes.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -87,11 +89,14 @@ struct Ring {
     radius: f32,
     /// Distance from the base of the axis, metres.
     along: f32,
+    /// What it belongs to.
+    place: Place,
 }
 
 /// The wood of every plant, by its index in [`Snapshot::plants`]; a gone plant's is empty.
 ///
-/// Texture coordinates: u whole tiles of bark around, v metres from the base of the axis.
+/// Texture coordinates: tiles of bark, u a whole number of them around, v from the base of the axis; tiles are as long
+/// as they are wide at its base.
 pub fn wood(snapshot: &Snapshot) -> Vec<Surface> {
     let axes = Axes::of(snapshot);
     let mut surfaces = vec![Surface::default(); snapshot.plants.len()];
@@ -102,7 +107,8 @@ pub fn wood(snapshot: &Snapshot) -> Vec<Surface> {
             continue;
         };
         lay_rings(snapshot, &axes, start, &mut rings);
-        skin(surface, &rings);
+        let round = rings.first().map_or(SIDES[0], |base| sides(base.radius));
+        skin(surface, &rings, round);
     }
     surfaces
 }
@@ -126,6 +132,7 @@ fn lay_rings(snapshot: &Snapshot, axes: &Axes, start: u32, rings: &mut Vec<Ring>
                     direction: heading,
                     radius: (FLARE * radius).min(widest),
                     along,
+                    place: Place { organ: i, along: 0.0 },
                 });
             }
             Some(joint) => {
@@ -135,7 +142,8 @@ fn lay_rings(snapshot: &Snapshot, axes: &Axes, start: u32, rings: &mut Vec<Ring>
         }
         along += internode.length;
         last = i;
-        rings.push(Ring { center: pose.tip(internode.length), direction: heading, radius, along });
+        let center = pose.tip(internode.length);
+        rings.push(Ring { center, direction: heading, radius, along, place: Place { organ: i, along: 1.0 } });
     }
     if let Some(tip) = rings.last_mut().filter(|_| !axes.bears[last as usize]) {
         tip.radius *= TIP;
@@ -149,11 +157,12 @@ fn sides(radius: f32) -> u32 {
     (wanted.ceil() as u32).clamp(least, most)
 }
 
-/// Adds the surface through the rings, closed at its tip.
-fn skin(surface: &mut Surface, rings: &[Ring]) {
+/// Adds the surface through the rings with that many sides, 3 to 12, closed at its tip.
+fn skin(surface: &mut Surface, rings: &[Ring], sides: u32) {
     let (Some(&base), Some(&tip)) = (rings.first(), rings.last()) else { return };
-    let sides = sides(base.radius);
-    let tiles = (core::f32::consts::TAU * base.radius / BARK_TILE).round().max(1.0);
+    let around = core::f32::consts::TAU * base.radius;
+    let tiles = (around / BARK_TILE).round().max(1.0);
+    let tile = (around / tiles).max(LEAST_TILE);
     let mut turns = [(0.0, 1.0); SIDES[1] as usize + 1];
     // The last is the first again, exactly, so that the seam closes.
     for k in 1..sides {
@@ -176,7 +185,7 @@ fn skin(surface: &mut Surface, rings: &[Ring]) {
             let out = frame * cos + side * sin;
             let normal = (out + ring.direction * slope).try_normalize().unwrap_or(out);
             let u = tiles * k as f32 / sides as f32;
-            surface.vertex(ring.center + out * ring.radius, normal, [u, ring.along]);
+            surface.vertex(ring.center + out * ring.radius, normal, [u, ring.along / tile], ring.place);
         }
         if let Some(lower) = previous {
             for k in 0..sides {
@@ -188,7 +197,7 @@ fn skin(surface: &mut Surface, rings: &[Ring]) {
         previous = Some(first);
     }
     let apex = tip.center + tip.direction * tip.radius;
-    let apex = surface.vertex(apex, tip.direction, [0.5 * tiles, tip.along + tip.radius]);
+    let apex = surface.vertex(apex, tip.direction, [0.5 * tiles, (tip.along + tip.radius) / tile], tip.place);
     for k in 0..sides {
         let first = apex - sides - 1;
         surface.triangle(first + k, first + k + 1, apex);
@@ -207,7 +216,7 @@ mod tests {
     use super::*;
 
     fn ring(center: Vec3, direction: Vec3, radius: f32, along: f32) -> Ring {
-        Ring { center, direction, radius, along }
+        Ring { center, direction, radius, along, place: Place::default() }
     }
 
     #[test]
@@ -235,6 +244,7 @@ mod tests {
                 ring(Vec3::Y, Vec3::Y, 0.15, 1.0),
                 ring(Vec3::Y * 2.0, Vec3::Y, 0.1, 2.0),
             ],
+            12,
         );
         assert_eq!(surface.positions.len(), 3 * 13 + 1);
         assert_eq!(surface.triangles(), 12 * 5);

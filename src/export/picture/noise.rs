@@ -2,23 +2,11 @@
 
 use bevy::prelude::*;
 
-/// A well mixed hash of a number.
-pub(super) fn hash(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7FEB_352D);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846C_A68B);
-    x ^ (x >> 16)
-}
+pub(super) use crate::shape::noise::{hash, smooth, unit};
 
 /// Mixes a second number into a hash.
 pub(super) fn mix(h: u32, x: u32) -> u32 {
     hash(h ^ x.wrapping_mul(0x9E37_79B9).rotate_left(7))
-}
-
-/// A hash as a number in 0..1.
-pub(super) fn unit(h: u32) -> f32 {
-    (h >> 8) as f32 / 16_777_216.0
 }
 
 /// The fractional part, in 0..1 also for negative numbers.
@@ -51,10 +39,4 @@ pub(super) fn rough(p: Vec3, octaves: u32) -> f32 {
         scale *= 2.0;
     }
     sum / weight
-}
-
-/// From 0 at `a` to 1 at `b`, smoothly.
-pub(super) fn smooth(a: f32, b: f32, x: f32) -> f32 {
-    let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }

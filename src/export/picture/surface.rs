@@ -8,7 +8,8 @@ use super::look::Palette;
 use super::noise::{fract, hash, mix, rough, smooth, unit, value};
 use crate::environment::trace::{Hit, Seen};
 use crate::environment::{LeafPatch, Scene, SolidShape, StandingSolid};
-use crate::shape::bark::{Bark, BarkPattern};
+use crate::shape::bark::{Bark, Grain};
+use crate::shape::blade;
 
 /// What surfaces need to know of the camera.
 #[derive(Debug, Clone, Copy)]
@@ -69,39 +70,50 @@ impl Surface {
     }
 }
 
-/// Bark: furrows, plates, streaks or rings, finer on thin stems.
+/// Bark of a stem of that radius at a point in the world.
 fn bark(bark: &Bark, point: Vec3, radius: f32, normal: Vec3) -> Surface {
-    // Furrows are as far apart as the stem is stout, within what bark does.
-    let grain = 1.0 / (radius * 0.35).clamp(0.006, 0.05);
-    let crust = rough(point * (grain * 0.35) + Vec3::splat(9.1), 2);
-    let warm = Vec3::new(1.0 + 0.10 * (crust - 0.5), 1.0, 1.0 - 0.12 * (crust - 0.5));
-    let old = bark.age(radius);
-    let color = bark.color(radius);
-    // How much of the mark shows, and how light or dark the rest is.
-    let (mark, shade) = match bark.pattern {
-        BarkPattern::Furrowed => {
-            let furrow = value(point * Vec3::new(grain, grain * 0.18, grain));
-            (0.0, 0.62 + 0.5 * smooth(0.2, 0.6, furrow) + 0.25 * (crust - 0.5))
-        }
-        BarkPattern::Smooth => (0.0, 0.92 + 0.3 * (crust - 0.5)),
-        BarkPattern::Plates => {
-            let plate = value(point * Vec3::new(grain, grain * 0.45, grain));
-            (0.8 * (1.0 - smooth(0.12, 0.34, plate)), 0.9 + 0.4 * (crust - 0.5))
-        }
-        BarkPattern::Banded => {
-            let streak = value(point * Vec3::new(9.0, 42.0, 9.0) + Vec3::splat(3.7));
-            let blotch = rough(point * Vec3::new(5.0, 3.0, 5.0), 2);
-            // At the foot of a stout trunk blotches meet.
-            let foot = 0.16 * smooth(0.06, 0.16, radius);
-            let dark = smooth(0.68, 0.78, streak).max(smooth(0.66 - foot, 0.74 - foot, blotch));
-            (dark, 0.94 + 0.2 * (crust - 0.5))
-        }
-        BarkPattern::Ringed => {
-            let ring = fract(point.y / 0.09 + 0.2 * value(point * 6.0));
-            (0.55 * (1.0 - smooth(0.0, 0.22, (ring - 0.5).abs())), 0.9 + 0.4 * (crust - 0.5))
-        }
-    };
-    Surface::matt(color.lerp(bark.mark, mark * old) * warm * shade, normal)
+    Surface::matt(bark.at(radius, &SolidGrain { point, radius }), normal)
+}
+
+/// The grain of bark as noise in space.
+struct SolidGrain {
+    point: Vec3,
+    radius: f32,
+}
+
+impl SolidGrain {
+    /// Furrows a metre: as far apart as the stem is stout, within what bark does.
+    fn furrows(&self) -> f32 {
+        1.0 / (self.radius * 0.35).clamp(0.006, 0.05)
+    }
+}
+
+impl Grain for SolidGrain {
+    fn crust(&self) -> f32 {
+        rough(self.point * (self.furrows() * 0.35) + Vec3::splat(9.1), 2)
+    }
+
+    fn ridge(&self) -> f32 {
+        let grain = self.furrows();
+        value(self.point * Vec3::new(grain, grain * 0.18, grain))
+    }
+
+    fn plate(&self) -> f32 {
+        let grain = self.furrows();
+        value(self.point * Vec3::new(grain, grain * 0.45, grain))
+    }
+
+    fn streak(&self) -> f32 {
+        value(self.point * Vec3::new(9.0, 42.0, 9.0) + Vec3::splat(3.7))
+    }
+
+    fn blotch(&self) -> f32 {
+        rough(self.point * Vec3::new(5.0, 3.0, 5.0), 2)
+    }
+
+    fn ring(&self) -> f32 {
+        fract(self.point.y / 0.09 + 0.2 * value(self.point * 6.0))
+    }
 }
 
 /// A leaf: folded a little at the midrib, paler along it, no two quite alike.
@@ -110,18 +122,18 @@ fn leaf(color: Vec3, patch: &LeafPatch, point: Vec3, d: Vec3, normal: Vec3) -> S
     let (a, b) = (unit(h) - 0.5, unit(mix(h, 1)) - 0.5);
     // Real leaves are greyer than their names: wax and dust.
     let color = color.lerp(Vec3::splat(color.element_sum() / 3.0), 0.10) * 1.12;
-    let own = color * (1.0 + 0.34 * a) * Vec3::new(1.0 + 0.30 * b, 1.0, 1.0 - 0.25 * b);
+    let own = color * blade::variation(a, b);
 
     let off = point - patch.base;
     let side = off.dot(patch.across) / patch.across.length_squared().max(1e-12);
-    let rib = 1.0 - smooth(0.03, 0.10, side.abs());
+    let rib = blade::rib(side);
     let fold = patch.across.normalize_or_zero() * (0.28 * side.signum() * (1.0 - rib));
     let folded = normal + if normal.dot(patch.midrib.cross(patch.across)) > 0.0 { -fold } else { fold };
     let mut folded = folded.normalize_or(normal);
     if folded.dot(d) > 0.0 {
         folded = normal;
     }
-    let color = own * (1.0 + 0.35 * rib);
+    let color = own * (1.0 + blade::RIB * rib);
     Surface { color, through: own * Vec3::new(0.95, 0.80, 0.35) * 0.75, normal: folded, sheen: 0.05 }
 }
 

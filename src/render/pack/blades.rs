@@ -7,6 +7,7 @@ use super::union::{Union, unit};
 use crate::chance::mix;
 use crate::plant::{Leaf, OrganState, Snapshot};
 use crate::render::record::{BladePair, Window, flags};
+use crate::shape::crown::Crown;
 use crate::shape::foliage::Foliage;
 
 /// The part of the step in which a new leaf opens, from when its node stands.
@@ -70,27 +71,5 @@ pub(super) fn lay_blades(union: &Union, foliage: &[Option<Foliage>], lots: &mut 
 
 /// The middle of each plant's crown and how far its leaves are from it on average, metres.
 pub(super) fn crowns(snapshot: &Snapshot) -> Vec<[f32; 4]> {
-    let mut sums = vec![(Vec3::ZERO, 0.0_f32); snapshot.plants.len()];
-    let mut spreads = vec![0.0_f32; snapshot.plants.len()];
-    let leaves = || {
-        snapshot.state.iter().enumerate().filter_map(|(i, state)| match state {
-            OrganState::Leaf(_) => Some((snapshot.plant[i] as usize, snapshot.pose[i].position)),
-            _ => None,
-        })
-    };
-    for (plant, position) in leaves() {
-        if let Some((sum, count)) = sums.get_mut(plant) {
-            *sum += position;
-            *count += 1.0;
-        }
-    }
-    for (sum, count) in &mut sums {
-        *sum /= count.max(1.0);
-    }
-    for (plant, position) in leaves() {
-        if let (Some(spread), Some((middle, count))) = (spreads.get_mut(plant), sums.get(plant)) {
-            *spread += position.distance(*middle) / count.max(1.0);
-        }
-    }
-    sums.iter().zip(spreads).map(|((middle, _), spread)| middle.extend(spread).to_array()).collect()
+    Crown::of(snapshot).iter().map(|crown| crown.middle.extend(crown.spread).to_array()).collect()
 }
