@@ -11,7 +11,9 @@
 
 mod act;
 mod camera;
+mod files;
 mod follow;
+mod framing;
 mod keys;
 pub mod leave;
 pub mod numbers;
@@ -29,7 +31,8 @@ pub mod why;
 use bevy::prelude::*;
 
 pub use act::Action;
-pub use open::{WatchError, WatchSettings, watch};
+pub use files::{Ask, Files};
+pub use open::{ViewerWindow, WatchError, WatchSettings, watch};
 pub use pick::{pick_organ, pick_solid};
 pub use state::{Chosen, Course, Kind, Past, Shown, Toasts, Tool, ViewFrom};
 

@@ -62,6 +62,29 @@ fn grow_leaves_pictures_a_model_tables_and_the_run() {
 }
 
 #[test]
+fn frames_are_a_picture_of_every_step_in_a_new_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let (out, _) = ends(at, "grow figure_1d --steps 3 --out o --frames pictures/steps", 0);
+    assert!(out.contains("pictures/steps: 4 pictures"), "{out}");
+    let picture = |step: u32| image::open(at.join(format!("pictures/steps/step_{step:04}.png"))).unwrap();
+    assert_eq!(picture(0).width(), picture(3).width());
+    // From one stand: what stays is where it was, what grew is not.
+    assert_ne!(picture(0), picture(3));
+    assert_eq!(picture(0).to_rgb8().get_pixel(0, 0), picture(3).to_rgb8().get_pixel(0, 0));
+    assert_eq!(std::fs::read_dir(at.join("pictures/steps")).unwrap().count(), 4);
+
+    let (_, err) = ends(at, "grow figure_1d --steps 3 --out p --frames pictures/steps", 1);
+    assert!(err.contains("pictures") && err.contains("--force") && !at.join("p").exists(), "{err}");
+    ends(at, "grow figure_1d --steps 1 --out p --frames pictures/steps --force", 0);
+    // A folder cannot lie in a file.
+    std::fs::write(at.join("file.txt"), "").unwrap();
+    let (_, err) = ends(at, "grow figure_1d --steps 1 --out q --frames file.txt/x", 1);
+    assert!(err.contains("file.txt"), "{err}");
+    ends(at, "grow figure_1d --steps 1 --out q --frames q", 2);
+}
+
+#[test]
 fn a_limit_stops_with_a_message_and_keeps_the_result() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

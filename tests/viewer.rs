@@ -1,26 +1,103 @@
 //! The window's own commands, played without a window.
 #![cfg(feature = "viewer")]
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
+use bevy::input::ButtonState;
+use bevy::input::keyboard::{Key, KeyboardInput};
 use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::settings::WgpuSettings;
+use bevy::render::sync_world::SyncWorldPlugin;
+use bevy::window::{FileDragAndDrop, WindowResized, WindowResolution};
 use burgeon::assets::Library;
 use burgeon::environment::workers::Workers;
-use burgeon::scenario::{Edit, Gardener, GardenerSettings, Order, Timeline};
-use burgeon::viewer::{Action, Chosen, Course, Kind, Past, Shown, Toasts, Tool, ViewerLogic};
+use burgeon::render::OutdoorCamera;
+use burgeon::scenario::{Autosave, Edit, Gardener, GardenerSettings, Order, Timeline};
+use burgeon::viewer::{
+    Action, Ask, Chosen, Course, Files, Kind, Past, Shown, Toasts, Tool, ViewFrom, ViewerLogic, ViewerWindow,
+};
 
-/// A small garden in the hands of a user, and a world without a window.
-fn session() -> App {
+/// A small garden.
+fn gardener(settings: GardenerSettings) -> Gardener {
     let library = Library::embedded();
     let mut resolved = library.scenario("figure_1d").unwrap();
     resolved.scenario.sensing.leaf_face = 2;
     resolved.scenario.sensing.bud_face = 4;
     let timeline = Timeline::new(resolved, 1, library, Workers::new(1).unwrap()).unwrap();
-    let gardener = Gardener::start(timeline, GardenerSettings::default()).unwrap();
+    Gardener::start(timeline, settings).unwrap()
+}
+
+/// A small garden in the hands of a user, and a world without a window.
+fn session() -> App {
+    session_of(GardenerSettings::default())
+}
+
+fn session_of(settings: GardenerSettings) -> App {
     let mut app = App::new();
-    app.add_plugins((MinimalPlugins, ViewerLogic)).insert_resource(gardener);
+    app.add_plugins((MinimalPlugins, ViewerLogic)).insert_resource(gardener(settings));
     wait(&mut app, |world| world.resource::<Shown>().view.is_some());
     app
+}
+
+/// The whole window, panels and camera and all, but neither a display nor a graphics card.
+fn window(width: u32, height: u32, folder: &Path) -> App {
+    let mut app = App::new();
+    let nothing = WgpuSettings { backends: None, ..default() };
+    let window = Window { resolution: WindowResolution::new(width, height), ..default() };
+    app.add_plugins(
+        DefaultPlugins
+            .build()
+            .disable::<bevy::winit::WinitPlugin>()
+            .disable::<bevy::log::LogPlugin>()
+            .set(RenderPlugin { render_creation: nothing.into(), ..default() })
+            .set(WindowPlugin { primary_window: Some(window), ..default() }),
+    );
+    // Without a graphics card nothing else adds it, and things that go ask for it.
+    app.add_plugins(SyncWorldPlugin);
+    app.add_plugins(ViewerWindow {
+        library: Library::embedded(),
+        scenario: "figure_1d".into(),
+        panels: true,
+        hint: true,
+        folder: folder.into(),
+    })
+    .insert_resource(gardener(GardenerSettings::default()));
+    app.finish();
+    app.cleanup();
+    wait(&mut app, |world| world.resource::<Shown>().view.is_some());
+    app
+}
+
+fn camera(app: &mut App) -> Transform {
+    let world = app.world_mut();
+    *world.query_filtered::<&Transform, With<OutdoorCamera>>().single(world).unwrap()
+}
+
+fn resize(app: &mut App, width: f32, height: f32) {
+    let world = app.world_mut();
+    let (window, mut of) = world.query::<(Entity, &mut Window)>().single_mut(world).unwrap();
+    of.resolution.set(width, height);
+    world.write_message(WindowResized { window, width, height });
+}
+
+/// Presses some keys together and lets them go.
+fn press(app: &mut App, keys: &[(KeyCode, Key)]) {
+    let world = app.world_mut();
+    let window = world.query_filtered::<Entity, With<Window>>().single(world).unwrap();
+    for state in [ButtonState::Pressed, ButtonState::Released] {
+        for (key_code, logical_key) in keys.iter().cloned() {
+            let (text, repeat) = (None, false);
+            let input = KeyboardInput { key_code, logical_key, state, text, repeat, window };
+            app.world_mut().write_message(input);
+        }
+        app.update();
+    }
+}
+
+fn with_control(code: KeyCode, letter: &str) -> [(KeyCode, Key); 2] {
+    [(KeyCode::ControlLeft, Key::Control), (code, Key::Character(letter.into()))]
 }
 
 /// Lets time pass until something holds.
@@ -150,4 +227,144 @@ fn what_does_not_work_is_told_and_changes_nothing() {
     }
     assert_eq!(hash(&app), before);
     grow(&mut app, 1);
+}
+
+#[test]
+fn a_window_of_no_size_goes_on_and_comes_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = window(1280, 720, folder.path());
+    grow(&mut app, 3);
+    for _ in 0..60 {
+        app.update();
+    }
+    let before = camera(&mut app);
+    for (width, height) in [(0.0, 0.0), (1280.0, 0.0), (0.0, 720.0), (1.0, 1.0)] {
+        resize(&mut app, width, height);
+        // All that has to do with the size of the window.
+        act(&mut app, Action::Frame);
+        act(&mut app, Action::From(ViewFrom::Top));
+        act(&mut app, Action::Place(Kind::Lamp, Vec3::new(1.0, 0.0, 1.0)));
+        act(&mut app, Action::Ask(Ask::Open));
+        grow(&mut app, 1);
+        for _ in 0..10 {
+            app.update();
+        }
+        assert!(camera(&mut app).is_finite(), "{width} x {height}");
+    }
+    assert_eq!(app.world().resource::<Course>().progress.present, 7);
+    resize(&mut app, 1280.0, 720.0);
+    for _ in 0..4 {
+        act(&mut app, Action::Tell(Order::Undo));
+    }
+    act(&mut app, Action::From(ViewFrom::Front));
+    for _ in 0..60 {
+        app.update();
+    }
+    let after = camera(&mut app);
+    assert!(after.is_finite() && after.translation.distance(before.translation) < 30.0, "{after:?}");
+}
+
+#[test]
+fn another_garden_is_looked_at_from_its_best_side_and_goes_by_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = window(1280, 720, folder.path());
+    for _ in 0..5 {
+        app.update();
+    }
+    act(&mut app, Action::Begin("wall".into()));
+    wait(&mut app, |world| world.resource::<Course>().scenario == "wall");
+    for _ in 0..5 {
+        app.update();
+    }
+    // The wall runs along z and stands at the left: the tree leans to the right.
+    let right = camera(&mut app).right();
+    assert!(right.x > 0.85, "{right:?}");
+    let file = folder.path().join("mine.ron");
+    std::fs::write(&file, "(plants: [(species: \"oak\")])").unwrap();
+    let window = app.world_mut().query_filtered::<Entity, With<Window>>().single(app.world()).unwrap();
+    app.world_mut().write_message(FileDragAndDrop::DroppedFile { window, path_buf: file });
+    wait(&mut app, |world| world.resource::<Course>().scenario == "mine");
+}
+
+#[test]
+fn what_cannot_be_written_is_told_and_nothing_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("file.txt"), "kept").unwrap();
+    // No folder can lie in a file, whoever asks.
+    let nowhere = folder.path().join("file.txt/x");
+    let (autosave, _) = Autosave::open(nowhere.join("autosave.burgeon"));
+    let autosave = Some((autosave, Duration::from_millis(1)));
+    let mut app = session_of(GardenerSettings { autosave, ..default() });
+    act(&mut app, Action::Tell(Order::Step));
+    wait(&mut app, |world| world.resource::<Course>().progress.present == 1);
+    let began = Instant::now();
+    while !toasts(&mut app).iter().any(|text| text.contains("autosave.burgeon")) {
+        app.update();
+        assert!(began.elapsed() < Duration::from_secs(20), "{:?}", toasts(&mut app));
+    }
+    grow(&mut app, 2);
+    let before = hash(&app);
+    for order in [
+        Order::Save(nowhere.join("garden.burgeon")),
+        Order::SaveScenario(nowhere.join("scenario.ron")),
+        Order::SaveRun(nowhere.join("run.ron")),
+        Order::Export { step: 2, folder: nowhere.clone() },
+        Order::Film(nowhere.join("growth.gif")),
+        Order::Pictures(nowhere.join("pictures")),
+    ] {
+        *app.world_mut().resource_mut::<Toasts>() = Toasts::default();
+        act(&mut app, Action::Tell(order.clone()));
+        let began = Instant::now();
+        while !toasts(&mut app).iter().any(|text| text.contains("file.txt") && !text.contains("autosave")) {
+            app.update();
+            assert!(began.elapsed() < Duration::from_secs(60), "{order:?} says nothing");
+        }
+    }
+    assert_eq!(std::fs::read_to_string(folder.path().join("file.txt")).unwrap(), "kept");
+    assert_eq!(hash(&app), before);
+    grow(&mut app, 1);
+    // Elsewhere it can be saved as it is.
+    let file = folder.path().join("garden.burgeon");
+    act(&mut app, Action::Tell(Order::Save(file.clone())));
+    wait(&mut app, |_| file.exists());
+}
+
+#[test]
+fn save_and_open_ask_for_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut app = window(1280, 720, folder.path());
+    grow(&mut app, 2);
+    let kept = hash(&app);
+    let is_open = |app: &App| app.world().resource::<Files>().is_open();
+    press(&mut app, &with_control(KeyCode::KeyS, "s"));
+    assert!(is_open(&app));
+    for _ in 0..5 {
+        app.update();
+    }
+    // Keys are the dialog's now: enter takes the name it proposes.
+    press(&mut app, &[(KeyCode::ArrowRight, Key::ArrowRight)]);
+    press(&mut app, &[(KeyCode::Enter, Key::Enter)]);
+    let file = folder.path().join("figure_1d.burgeon");
+    wait(&mut app, |_| file.exists());
+    assert!(!is_open(&app));
+    assert_eq!(
+        app.world().resource::<Course>().progress.present,
+        2,
+        "a key for the dialog did something else"
+    );
+
+    // The file is known now.
+    std::fs::remove_file(&file).unwrap();
+    press(&mut app, &with_control(KeyCode::KeyS, "s"));
+    assert!(!is_open(&app));
+    wait(&mut app, |_| file.exists());
+
+    act(&mut app, Action::Begin("open".into()));
+    wait(&mut app, |world| world.resource::<Course>().scenario == "open");
+    press(&mut app, &with_control(KeyCode::KeyS, "s"));
+    assert!(is_open(&app), "another garden does not take the file of the one before");
+    press(&mut app, &[(KeyCode::Escape, Key::Escape)]);
+    act(&mut app, Action::Tell(Order::Load(file)));
+    wait(&mut app, |world| world.resource::<Course>().scenario == "figure_1d");
+    assert_eq!(hash(&app), kept);
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use burgeon::export::harvest::{self, Harvest, export_all};
 use burgeon::export::mtg::save_mtg;
 use burgeon::export::obj::save_obj;
-use burgeon::export::picture::Palette;
+use burgeon::export::picture::{Palette, PictureSettings};
 use burgeon::export::reel::Reel;
 use burgeon::files::{Likeness, RunFile, SaveError, StepHashes};
 use burgeon::scenario::{Garden, GardenError, SavedRun};
@@ -32,6 +32,11 @@ pub struct Grow {
     #[arg(long)]
     timelapse: bool,
 
+    /// Also draw a picture of every step, step_0000.png and so on, into a new folder; of more than 120 steps every
+    /// second or fourth.
+    #[arg(long, value_name = "DIR")]
+    frames: Option<PathBuf>,
+
     /// Also write tree.obj and tree.mtl.
     #[arg(long)]
     obj: bool,
@@ -53,7 +58,7 @@ pub struct Grow {
     resume: Option<PathBuf>,
 
     /// Grow one tree for each seed, such as 1..100, into one table seeds.csv with mean and spread.
-    #[arg(long, value_name = "FIRST..LAST", conflicts_with_all = ["seed", "timelapse", "save", "obj", "mtg"])]
+    #[arg(long, value_name = "FIRST..LAST", conflicts_with_all = ["seed", "timelapse", "frames", "save", "obj", "mtg"])]
     seeds: Option<SeedRange>,
 }
 
@@ -163,15 +168,28 @@ impl Grow {
                 save.display()
             )));
         }
+        if let Some(frames) = &self.frames {
+            if folder.holds(frames, &names) || self.save.as_ref() == Some(frames) {
+                return Err(Failure::Usage(format!(
+                    "{} is taken by the run's own files; choose another --frames",
+                    frames.display()
+                )));
+            }
+            output::free_folder(frames, self.output.force)?;
+        }
         let (inside, outside): (Vec<_>, Vec<_>) =
             self.save.iter().partition(|save| save.parent() == Some(folder.path()));
         output::can_write(outside.into_iter())?;
         folder.create()?;
         output::can_write(inside.into_iter())?;
+        if let Some(frames) = &self.frames {
+            output::create_folder(frames)?;
+        }
 
+        let filmed = self.timelapse || self.frames.is_some();
         let mut reel = Reel::default();
         growing.grow(steps, |step, garden| {
-            if self.timelapse && reel.wants(step) {
+            if filmed && reel.wants(step) {
                 reel.add(step, garden.scene());
             }
         });
@@ -183,6 +201,7 @@ impl Grow {
             run: growing.run.clone(),
         };
         let workers = self.input.common.workers()?;
+        let mut pictures = Vec::new();
         let written = export_all(&harvest, folder.path(), &workers)?;
         folder.written.extend(written);
         if self.obj {
@@ -192,11 +211,18 @@ impl Grow {
         if self.mtg {
             save_mtg(&harvest.snapshot, &folder.file("tree.mtg"))?;
         }
-        if self.timelapse {
+        if filmed {
             let palette = Palette::of_snapshot(&harvest.snapshot);
             reel.end(growing.garden.steps(), harvest.scene);
-            let bar = progress(reel.len() as u64, "frame");
-            reel.save(&palette, &workers, &folder.file("growth.gif"), || bar.inc(1))?;
+            let ways = u64::from(self.timelapse) + u64::from(self.frames.is_some());
+            let bar = progress(ways * reel.len() as u64, "frame");
+            if self.timelapse {
+                reel.save(&palette, &workers, &folder.file("growth.gif"), || bar.inc(1))?;
+            }
+            if let Some(to) = &self.frames {
+                let settings = PictureSettings::default();
+                pictures = reel.save_pictures(&palette, settings, &workers, to, || bar.inc(1))?;
+            }
             bar.finish_and_clear();
         }
         if let Some(path) = &self.save {
@@ -204,7 +230,7 @@ impl Grow {
         }
 
         let likeness = again.as_ref().map(|hashes| hashes.compare(&growing.run.hashes));
-        self.tell(&growing, steps, likeness, &workers, &folder);
+        self.tell(&growing, steps, likeness, &workers, &folder, &pictures);
         match (growing.stopped, likeness) {
             (_, Some(Likeness::Differs { at })) => Err(Failure::NotTheSame(at)),
             (Some(stopped), _) => Err(stopped.into()),
@@ -243,6 +269,7 @@ impl Grow {
         likeness: Option<Likeness>,
         workers: &burgeon::environment::workers::Workers,
         folder: &output::Folder,
+        pictures: &[PathBuf],
     ) {
         let record = growing.garden.records().last().copied().unwrap_or_default();
         let form = record.form;
@@ -282,7 +309,7 @@ impl Grow {
                     Some(Likeness::Differs { at }) => Some(at),
                     _ => None,
                 },
-                files: folder.written.iter().map(|p| p.display().to_string()).collect(),
+                files: folder.written.iter().chain(pictures).map(|p| p.display().to_string()).collect(),
             };
             // A summary of numbers and texts always serialises.
             say(serde_json::to_string_pretty(&summary).unwrap_or_default());
@@ -314,5 +341,8 @@ impl Grow {
             Some(Likeness::Differs { .. }) | None => {}
         }
         say(folder.line());
+        if let Some(frames) = &self.frames {
+            say(format_args!("{}: {} pictures", frames.display(), pictures.len()));
+        }
     }
 }

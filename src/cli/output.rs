@@ -53,6 +53,26 @@ pub fn free(files: impl Iterator<Item = PathBuf>, replace: bool) -> Result<(), F
     if there.is_empty() { Ok(()) } else { Err(Failure::InTheWay(there)) }
 }
 
+/// Makes sure that a folder is new or empty, unless files in it may be replaced.
+pub fn free_folder(folder: &Path, replace: bool) -> Result<(), Failure> {
+    let empty = match std::fs::read_dir(folder) {
+        Ok(mut inside) => inside.next().is_none(),
+        // No folder: a file in its place is in the way, and what else there is shows when it is made.
+        Err(_) => !folder.is_file(),
+    };
+    if empty || (replace && folder.is_dir()) {
+        return Ok(());
+    }
+    Err(Failure::InTheWay(vec![folder.display().to_string()]))
+}
+
+/// Makes a folder, and makes sure that it can be written to.
+pub fn create_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder)
+        .and_then(|()| tempfile_in(folder))
+        .map_err(|source| Failure::Io { what: folder.display().to_string(), source })
+}
+
 /// Makes sure that files can be written where they shall be, before long work is done for them.
 pub fn can_write<'a>(files: impl Iterator<Item = &'a PathBuf>) -> Result<(), Failure> {
     for file in files {
@@ -82,9 +102,7 @@ impl Folder {
 
     /// Makes the folder, and makes sure that it can be written to.
     pub fn create(&self) -> Result<(), Failure> {
-        std::fs::create_dir_all(&self.path)
-            .and_then(|()| tempfile_in(&self.path))
-            .map_err(|source| Failure::Io { what: self.path.display().to_string(), source })
+        create_folder(&self.path)
     }
 
     /// Where it is.

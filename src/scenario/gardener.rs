@@ -138,6 +138,8 @@ pub enum News {
         /// How many organs the edit shed; `None` if there was no edit, or growth has yet to come to it.
         shed: Option<usize>,
     },
+    /// Another garden has taken the place of the one before; told once it has been shown. The name of its scenario.
+    Began(String),
     /// The step that was sought.
     Seen(View),
     /// The step of the old course that was sought; `None` if it is not kept.

@@ -87,6 +87,24 @@ pub fn stability(control: &Control) -> Result<Stability, OutOfRange> {
     })
 }
 
+/// The error at each of some sub-steps after a disturbance by 1, the disturbance first: E(n) = E(n-1) - A(n-1-lag),
+/// A being the answer to an error, integral and derivative control in it. Small errors are meant, which do not turn
+/// over backwards.
+pub fn response(control: &Control, substeps: u32) -> Vec<f32> {
+    let lag = control.lag as usize;
+    let (mut error, mut sum, mut last) = (1.0, 0.0, 1.0);
+    let mut answers = Vec::with_capacity(substeps as usize);
+    let mut errors = vec![error];
+    for n in 0..substeps as usize {
+        sum += error;
+        answers.push(control.gain * (error + control.integral * sum + control.derivative * (error - last)));
+        last = error;
+        error -= n.checked_sub(lag).map_or(0.0, |then| answers[then]);
+        errors.push(error);
+    }
+    errors
+}
+
 /// Size and angle of the root that decides.
 fn dominant_root(gain: f32, lag: u32) -> (f32, f32) {
     if lag == 0 {
@@ -141,6 +159,44 @@ mod tests {
                 (read.period.unwrap() - (4 * lag + 2) as f32).abs() < 0.05 * lag as f32 + 0.1,
                 "lag {lag}"
             );
+        }
+    }
+
+    #[test]
+    fn st_06_the_response_is_that_of_the_controller() {
+        use crate::tropism::controller::{Influence, Steering, step, turned_to};
+        use crate::tropism::signals::Signals;
+        use bevy::math::{Quat, Vec3};
+        const SMALL: f32 = 0.01;
+        for (gain, lag, integral, derivative) in
+            [(0.6, 0, 0.0, 0.0), (0.3, 3, 0.0, 0.0), (0.2, 2, 0.1, 0.5), (1.1, 1, 0.0, 0.0)]
+        {
+            let control = Control { gain, lag, integral, derivative };
+            let told = response(&control, 40);
+            let (mut steering, mut signals) = (Steering::default(), Signals::default());
+            let mut frame = Quat::from_rotation_z(-SMALL);
+            for (n, expected) in told.iter().enumerate() {
+                let heading = frame * Vec3::Y;
+                let error = heading.x.atan2(heading.y) / SMALL;
+                assert!(
+                    (error - expected).abs() < 2e-3 * (1.0 + expected.abs()),
+                    "{control:?} at {n}: {error}"
+                );
+                let next = step(&control, &mut steering, &mut signals, frame, Vec3::Y, Influence::default());
+                frame = turned_to(frame, next);
+            }
+        }
+    }
+
+    #[test]
+    fn st_06_the_response_fades_where_the_meter_says_so() {
+        for lag in 0..8 {
+            for share in [0.3, 0.9, 1.1] {
+                let control = Control::new(share * critical_gain(lag), lag).unwrap();
+                let errors = response(&control, 400);
+                let late = errors[300..].iter().fold(0.0_f32, |most, e| most.max(e.abs()));
+                assert_eq!(late < 1.0, stability(&control).unwrap().is_stable(), "lag {lag}, {share}");
+            }
         }
     }
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use bevy::prelude::*;
 
+use super::files::Ask;
 use super::state::{Chosen, Course, Kind, Past, Shown, Toasts, Tool, ViewFrom};
 use crate::assets::Library;
 use crate::environment::SolidShape;
@@ -48,7 +49,12 @@ pub enum Action {
     From(ViewFrom),
     /// Save a picture of the window.
     Picture(PathBuf),
+    /// Ask for a file, and do with it what it is asked for.
+    Ask(Ask),
 }
+
+/// What is said when the gardener takes no more orders.
+pub(super) const GONE: &str = "growth has ended; start the program again";
 
 impl Action {
     /// Whether another course of growth begins with it.
@@ -92,7 +98,7 @@ pub(super) fn act(
     gardener: Option<Res<Gardener>>,
     library: Option<Res<OwnLibrary>>,
     mut shown: ResMut<Shown>,
-    mut course: ResMut<Course>,
+    course: Res<Course>,
     mut past: ResMut<Past>,
     mut chosen: ResMut<Chosen>,
     mut tool: ResMut<Tool>,
@@ -120,7 +126,6 @@ pub(super) fn act(
                 match library.scenario(&name) {
                     Ok(resolved) => {
                         (past.0, *chosen) = (None, Chosen::Nothing);
-                        course.scenario = name;
                         order(Order::Begin(Box::new(resolved), course.progress.seed))
                     }
                     Err(why) => {
@@ -208,11 +213,11 @@ pub(super) fn act(
                 shown.overlay = overlay;
                 true
             }
-            // The camera's and the window's.
-            Action::Frame | Action::From(_) | Action::Picture(_) => true,
+            // The camera's, the window's and the dialog's.
+            Action::Frame | Action::From(_) | Action::Picture(_) | Action::Ask(_) => true,
         };
         if !sent {
-            toasts.warn("growth has ended; start the program again, what has grown is saved");
+            toasts.warn(GONE);
         }
     }
 }

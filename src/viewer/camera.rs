@@ -9,27 +9,29 @@ use bevy_egui::{EguiGlobalSettings, PrimaryEguiContext};
 use bevy_panorbit_camera::{PanOrbitCamera, TrackpadBehavior};
 
 use super::act::Action;
+use super::framing::{Free, fit, sight, yaw};
 use super::panels::Room;
-use super::state::{Shown, ViewFrom};
-use crate::plant::Snapshot;
+use super::state::{Course, Shown, ViewFrom};
 use crate::render::OutdoorCamera;
 
 /// Whether the camera keeps the plants in the picture.
 #[derive(Resource, Debug)]
 pub(super) struct Framing {
     follows: bool,
-    /// Jump there, do not glide.
-    at_once: bool,
+    /// Which garden has been looked at from its best side ([`Course::began`]).
+    seen: Option<u64>,
 }
 
 impl Default for Framing {
     fn default() -> Self {
-        Self { follows: true, at_once: true }
+        Self { follows: true, seen: None }
     }
 }
 
 /// Opening of the camera, radians from bottom to top.
 const FOV: f32 = 0.7;
+/// How far the camera looks down on a garden at first, radians.
+const PITCH: f32 = 0.16;
 
 pub(super) fn spawn_camera(mut commands: Commands, mut egui: ResMut<EguiGlobalSettings>) {
     egui.auto_create_primary_context = false;
@@ -46,10 +48,8 @@ pub(super) fn spawn_camera(mut commands: Commands, mut egui: ResMut<EguiGlobalSe
             target_focus: Vec3::Y,
             radius: Some(8.0),
             target_radius: 8.0,
-            yaw: Some(0.45),
-            target_yaw: 0.45,
-            pitch: Some(0.16),
-            target_pitch: 0.16,
+            pitch: Some(PITCH),
+            target_pitch: PITCH,
             pitch_lower_limit: Some(-0.05),
             pitch_upper_limit: Some(1.55),
             zoom_lower_limit: 0.3,
@@ -105,33 +105,17 @@ pub(super) fn gate(
     }
 }
 
-/// Box around the plants of a snapshot; a seed's is a metre high.
-fn bounds(shot: &Snapshot) -> (Vec3, Vec3) {
-    let mut low = Vec3::new(-0.4, 0.0, -0.4);
-    let mut high = Vec3::new(0.4, 1.0, 0.4);
-    if let Some(first) = shot.plants.iter().flatten().next() {
-        low += first.position;
-        high += first.position;
-    }
-    for plant in shot.plants.iter().flatten() {
-        (low, high) = (low.min(plant.position), high.max(plant.position));
-    }
-    for pose in &shot.pose {
-        (low, high) = (low.min(pose.position), high.max(pose.position));
-    }
-    (low, high)
-}
-
-/// Brings the plants into the part of the window that no panel covers.
+/// Brings the plants and what is near them into the part of the window that no panel covers.
 pub(super) fn frame(
     mut actions: MessageReader<Action>,
     shown: Res<Shown>,
+    course: Res<Course>,
     room: Res<Room>,
     windows: Query<&Window>,
     mut framing: ResMut<Framing>,
-    mut cameras: Query<(&mut PanOrbitCamera, &Transform)>,
+    mut cameras: Query<&mut PanOrbitCamera>,
 ) {
-    let Ok((mut camera, at)) = cameras.single_mut() else { return };
+    let Ok(mut camera) = cameras.single_mut() else { return };
     for action in actions.read() {
         match action {
             Action::Frame => framing.follows = true,
@@ -148,25 +132,20 @@ pub(super) fn frame(
         }
     }
     let (Some(view), Ok(window)) = (&shown.view, windows.single()) else { return };
-    if !framing.follows {
+    if !framing.follows || !room.is_known() {
         return;
     }
-    let (low, high) = bounds(&view.shot);
-    let whole = Vec2::new(window.width().max(1.0), window.height().max(1.0));
-    let free = (whole - room.beside()).max(0.3 * whole);
-    let tan = bevy::math::ops::tan(0.5 * FOV);
-    let size = high - low;
-    let tall = 0.5 * size.y * 1.35 / (tan * free.y / whole.y);
-    let wide = 0.5 * size.x.max(size.z) * 1.2 / (tan * free.x / whole.y);
-    let radius = tall.max(wide).max(2.2) + 0.5 * size.x.max(size.z);
-    // The middle of the free part is not the middle of the window.
-    let metres = 2.0 * tan * radius / whole.y;
-    let shift = room.off_centre() * metres;
-    let focus = 0.5 * (low + high) + Vec3::Y * 0.08 * size.y - at.right() * shift.x + Vec3::Y * shift.y;
-    camera.target_focus = focus;
-    camera.target_radius = radius;
-    if framing.at_once {
-        framing.at_once = false;
+    let anew = framing.seen.replace(course.began) != Some(course.began);
+    if anew {
+        let yaw = yaw(&view.shot, &view.standing, PITCH);
+        (camera.yaw, camera.target_yaw) = (Some(yaw), yaw);
+        (camera.pitch, camera.target_pitch) = (Some(PITCH), PITCH);
+    }
+    let free = Free::of(Vec2::new(window.width(), window.height()), room.margins(), FOV);
+    let boxes = sight(&view.shot, &view.standing);
+    let (focus, radius) = fit(&boxes, camera.target_yaw, camera.target_pitch, free);
+    (camera.target_focus, camera.target_radius) = (focus, radius);
+    if anew {
         (camera.focus, camera.radius) = (focus, Some(radius));
     }
     camera.force_update = true;

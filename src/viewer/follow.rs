@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::act::show;
+use super::act::{GONE, show};
 use super::state::{Course, Past, Shown, Toasts};
 use super::why::inspector::Answers;
 use super::why::split::Split;
@@ -19,6 +19,7 @@ pub(super) fn follow(
     mut split: Option<ResMut<Split>>,
 ) {
     let Some(gardener) = gardener else { return };
+    let mut there = true;
     while let Some(news) = gardener.news() {
         if let Some(answers) = &mut answers {
             answers.hear(&news);
@@ -31,7 +32,7 @@ pub(super) fn follow(
                 course.stopped = false;
                 note(&mut course, progress, &view);
                 arrive(&mut shown, &past, view, true);
-                seek_ghost(&gardener, &shown, &course);
+                there &= seek_ghost(&gardener, &shown, &course);
             }
             News::Changed { view, progress, shed } => {
                 course.stopped = false;
@@ -43,15 +44,19 @@ pub(super) fn follow(
                 if progress.ghost.is_none() {
                     shown.ghost = None;
                 }
-                seek_ghost(&gardener, &shown, &course);
+                there &= seek_ghost(&gardener, &shown, &course);
                 if let Some(shed) = shed.filter(|shed| *shed > 0) {
                     toasts.tell(format!("{shed} organs shed"));
                 }
             }
+            News::Began(name) => {
+                course.scenario = name;
+                course.began += 1;
+            }
             News::Seen(view) => {
                 if past.0 == Some(view.step) {
                     show(&mut shown, view, false);
-                    seek_ghost(&gardener, &shown, &course);
+                    there &= seek_ghost(&gardener, &shown, &course);
                 }
             }
             News::GhostSeen(_, view) => {
@@ -67,9 +72,13 @@ pub(super) fn follow(
                 course.stopped = true;
                 toasts.warn(format!("{why}; what has grown is kept"));
             }
+            News::Ended => toasts.warn(GONE),
             // The panels have heard.
-            News::Explained(_) | News::Fallen(_) | News::Records(_) | News::Copied(_) | News::Ended => {}
+            News::Explained(_) | News::Fallen(_) | News::Records(_) | News::Copied(_) => {}
         }
+    }
+    if !there {
+        toasts.warn(GONE);
     }
 }
 
@@ -88,10 +97,11 @@ fn arrive(shown: &mut Shown, past: &Past, view: View, grew: bool) {
     }
 }
 
-fn seek_ghost(gardener: &Gardener, shown: &Shown, course: &Course) {
-    let (Some(end), Some(view)) = (course.progress.ghost, &shown.view) else { return };
+/// Asks for the step of the old course that belongs beside what is shown; false if nobody is there to ask.
+fn seek_ghost(gardener: &Gardener, shown: &Shown, course: &Course) -> bool {
+    let (Some(end), Some(view)) = (course.progress.ghost, &shown.view) else { return true };
     if shown.with_ghost {
-        // A gardener that has ended has told so.
-        let _ = gardener.order(Order::SeekGhost(view.step.min(end)));
+        return gardener.order(Order::SeekGhost(view.step.min(end))).is_ok();
     }
+    true
 }

@@ -1,12 +1,12 @@
 //! What keys do.
 
 use bevy::prelude::*;
-use bevy::window::FileDragAndDrop;
 use bevy_egui::input::EguiWantsInput;
 
 use super::act::Action;
+use super::files::{Ask, Files};
 use super::panels::Panels;
-use super::state::{Chosen, Course, Doomed, Kind, Past, Shown, Tool, ViewFrom};
+use super::state::{Chosen, Course, Doomed, Kind, Past, Tool, ViewFrom};
 use crate::scenario::Order;
 
 /// Keys, for the help: what to press, what it does.
@@ -22,7 +22,8 @@ pub(super) const KEYS: &[(&str, &str)] = &[
     ("G  R  S", "move, turn or scale what is chosen"),
     ("Ctrl+D  Delete", "copy, remove what is chosen"),
     ("Ctrl+Z  Ctrl+Shift+Z", "undo, redo"),
-    ("Ctrl+S  Ctrl+O", "save, open; or drop a file on the window"),
+    ("Ctrl+S  Ctrl+Shift+S", "save, save elsewhere"),
+    ("Ctrl+O", "open; or drop a file on the window"),
     ("H", "show or fold the panels"),
     ("?", "this help"),
     ("Drag, right drag, wheel", "turn, move and bring nearer the camera"),
@@ -33,14 +34,14 @@ pub(super) fn keys(
     egui: Res<EguiWantsInput>,
     course: Res<Course>,
     past: Res<Past>,
-    shown: Res<Shown>,
+    files: Res<Files>,
     mut gizmo: ResMut<bevy::gizmos::transform_gizmo::TransformGizmoSettings>,
     mut panels: ResMut<Panels>,
     mut doomed: ResMut<Doomed>,
     mut actions: MessageWriter<Action>,
 ) {
     use bevy::gizmos::transform_gizmo::TransformGizmoMode as Mode;
-    if egui.wants_any_keyboard_input() {
+    if egui.wants_any_keyboard_input() || files.is_open() {
         return;
     }
     let control = input.any_pressed([
@@ -56,8 +57,9 @@ pub(super) fn keys(
             (KeyCode::KeyZ, true) if shift => Action::Tell(Order::Redo),
             (KeyCode::KeyZ, true) => Action::Tell(Order::Undo),
             (KeyCode::KeyY, true) => Action::Tell(Order::Redo),
-            (KeyCode::KeyS, true) => Action::Tell(Order::Save(panels.save_path())),
-            (KeyCode::KeyO, true) => Action::Tell(Order::Load(panels.save_path())),
+            (KeyCode::KeyS, true) if shift => Action::Ask(Ask::Garden),
+            (KeyCode::KeyS, true) => files.save(),
+            (KeyCode::KeyO, true) => Action::Ask(Ask::Open),
             (KeyCode::KeyD, true) => Action::Duplicate,
             (_, true) => continue,
             (KeyCode::Space, _) => {
@@ -111,15 +113,5 @@ pub(super) fn keys(
             _ => continue,
         };
         actions.write(action);
-    }
-    let _ = shown;
-}
-
-/// A file dropped on the window is taken up.
-pub(super) fn dropped(mut drops: MessageReader<FileDragAndDrop>, mut actions: MessageWriter<Action>) {
-    for drop in drops.read() {
-        if let FileDragAndDrop::DroppedFile { path_buf, .. } = drop {
-            actions.write(Action::Tell(Order::Load(path_buf.clone())));
-        }
     }
 }

@@ -6,6 +6,8 @@ use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy_egui::egui::{self, RichText};
 
+use super::act::Action;
+use super::files::Ask;
 use super::picture::write_picture;
 use super::why::inspector::Answers;
 use crate::scenario::{News, Order};
@@ -57,11 +59,26 @@ impl Leave {
         }
     }
 
+    /// Has everything go to a folder.
+    pub fn set_folder(&mut self, folder: &Path) {
+        self.folder = folder.display().to_string();
+    }
+
     /// The panel; `name` is the scenario's and `step` the one shown.
-    pub fn show(&mut self, ui: &mut egui::Ui, name: &str, step: u32, orders: &mut Vec<Order>) {
+    pub fn show(
+        &mut self,
+        ui: &mut egui::Ui,
+        name: &str,
+        step: u32,
+        orders: &mut Vec<Order>,
+        actions: &mut Vec<Action>,
+    ) {
         ui.horizontal(|ui| {
             ui.label("Folder");
             ui.add(egui::TextEdit::singleline(&mut self.folder).desired_width(180.0));
+            if ui.button("…").on_hover_text("Choose a folder").clicked() {
+                actions.push(Action::Ask(Ask::Folder));
+            }
         });
         let folder = PathBuf::from(self.folder.trim());
         let stem = format!("{}_{step:04}", plain(name));
@@ -89,6 +106,9 @@ impl Leave {
                 let to = free(&folder, &format!("{}_steps", plain(name)), "");
                 self.wait(&to, "drawing the pictures");
                 orders.push(Order::Pictures(to));
+            }
+            if row(ui, "Scenario", "with your edits in it, RON") {
+                actions.push(Action::Ask(Ask::Scenario));
             }
             if row(ui, "run.ron", "grows the same tree again, bit for bit") {
                 let to = free(&folder, "run", "ron");
@@ -150,7 +170,7 @@ fn make(folder: &Path, note: &mut Option<Note>) -> bool {
 }
 
 /// A name without what a file name may not have.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }
 

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_egui::egui::{self, Color32, RichText};
 use egui_plot::{Line, Plot, PlotPoints, VLine};
 
+use super::style;
 use crate::plant::measure::StepRecord;
 use crate::scenario::{News, Order};
 
@@ -132,7 +133,9 @@ impl Numbers {
         ui.horizontal_wrapped(|ui| {
             for (name, unit, color, value) in self.topic.series() {
                 let value = now.map_or("–".into(), |record| short(value(record)));
-                ui.label(RichText::new(format!("● {name} {value} {unit}")).small().color(*color));
+                ui.label(
+                    RichText::new(format!("● {name} {value} {unit}")).small().color(style::ink(ui, *color)),
+                );
             }
         });
         let mut clicked = None;
@@ -143,13 +146,16 @@ impl Numbers {
             .allow_scroll(false)
             .include_y(0.0)
             .x_axis_label("step");
+        let inks: Vec<_> =
+            self.topic.series().iter().map(|(_, _, color, _)| style::ink(ui, *color)).collect();
+        let faint = ui.visuals().weak_text_color();
         let shown = plot.show(ui, |plot| {
-            let at = VLine::new("", f64::from(step)).color(Color32::from_white_alpha(70));
+            let at = VLine::new("", f64::from(step)).color(faint);
             plot.vline(at.allow_hover(false));
-            for (name, _, color, value) in self.topic.series() {
+            for ((name, _, _, value), color) in self.topic.series().iter().zip(inks) {
                 let points: PlotPoints =
                     self.records.iter().map(|record| [f64::from(record.step), value(record)]).collect();
-                plot.line(Line::new(*name, points).color(*color).width(1.8));
+                plot.line(Line::new(*name, points).color(color).width(1.8));
             }
             plot.pointer_coordinate()
         });

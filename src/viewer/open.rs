@@ -14,9 +14,10 @@ use bevy_panorbit_camera::{PanOrbitCameraPlugin, PanOrbitCameraSystemSet};
 
 use super::act::OwnLibrary;
 use super::camera::{self, Framing};
+use super::files::{self, Files};
 use super::panels::{self, Panels, Room};
 use super::picture::{self, PictureFailure, PictureThen};
-use super::state::{Course, Shown};
+use super::state::{Course, Shown, Toasts};
 use super::why::inspector::InspectorPlugin;
 use super::{ViewerLogic, keys, pointer, scene};
 use crate::assets::Library;
@@ -89,16 +90,19 @@ pub fn watch(settings: WatchSettings) -> Result<(), WatchError> {
     if !has_display() {
         return Err(WatchError::NoDisplay);
     }
-    let folder = state_folder();
-    let file = folder.join("autosave.burgeon");
+    let own = state_folder();
+    let file = own.join("autosave.burgeon");
     let scenario = settings.resolved.scenario.name.clone();
     let mut timeline =
         Timeline::new(settings.resolved, settings.seed, settings.library.clone(), settings.workers)?;
     timeline.set_limits(settings.limits);
     // A window that closes by itself is nobody's session.
     let session = settings.exit_after.is_none();
-    let autosave =
-        (session && std::fs::create_dir_all(&folder).is_ok()).then(|| (Autosave::open(&file).0, AUTOSAVE));
+    let (autosave, unkept) = match session.then(|| std::fs::create_dir_all(&own)) {
+        None => (None, None),
+        Some(Ok(())) => (Some((Autosave::open(&file).0, AUTOSAVE)), None),
+        Some(Err(why)) => (None, Some(format!("nothing is saved by itself: {}: {why}", own.display()))),
+    };
     let begin = GardenerSettings {
         playing: settings.exit_after != Some(0),
         pace: settings.pace,
@@ -108,8 +112,8 @@ pub fn watch(settings: WatchSettings) -> Result<(), WatchError> {
     let gardener = Gardener::start(timeline, begin)?;
     let ending = gardener.ending();
     let unsaved: PictureFailure = default();
-    let hint = session && first_time(&folder);
-    let files = std::env::current_dir().unwrap_or_default();
+    let hint = session && first_time(&own);
+    let folder = std::env::current_dir().unwrap_or_default();
 
     let opened = panic::catch_unwind(AssertUnwindSafe(|| {
         let mut app = App::new();
@@ -125,14 +129,13 @@ pub fn watch(settings: WatchSettings) -> Result<(), WatchError> {
             exit_condition: ExitCondition::OnPrimaryClosed,
             ..default()
         }));
-        app.add_plugins((EguiPlugin::default(), PanOrbitCameraPlugin, TransformGizmoPlugin))
-            .add_plugins((PlantRenderPlugin, SceneryPlugin, ViewerLogic, Window3d))
+        let library = settings.library.clone();
+        app.add_plugins(ViewerWindow { library, scenario, panels: settings.panels, hint, folder })
             .insert_resource(RenderErrorHandler(lost))
-            .insert_resource(OwnLibrary(settings.library.clone()))
-            .insert_resource(Panels::new(settings.panels, hint, files))
             .insert_resource(gardener);
-        app.world_mut().resource_mut::<Course>().scenario = scenario;
-        app.world_mut().resource_mut::<Shown>().live = true;
+        if let Some(unkept) = unkept {
+            app.world_mut().resource_mut::<Toasts>().warn(unkept);
+        }
         if let Some(step) = settings.exit_after {
             app.insert_resource(PictureThen { file: settings.screenshot.clone(), step })
                 .insert_resource(unsaved.clone());
@@ -163,19 +166,36 @@ pub fn watch(settings: WatchSettings) -> Result<(), WatchError> {
     }
 }
 
-/// The systems that need a window.
-struct Window3d;
+/// All of the window but the window itself: what is drawn in it and how it answers. The host adds Bevy's default
+/// plugins before it and inserts the [`Gardener`].
+#[derive(Debug, Clone)]
+pub struct ViewerWindow {
+    /// Species and scenarios to choose from.
+    pub library: Library,
+    /// Name of the scenario that grows.
+    pub scenario: String,
+    /// Whether the panels at the sides are open.
+    pub panels: bool,
+    /// Whether the hint for the first time is shown.
+    pub hint: bool,
+    /// Where files are opened and saved at first.
+    pub folder: PathBuf,
+}
 
-impl Plugin for Window3d {
+impl Plugin for ViewerWindow {
     fn build(&self, app: &mut App) {
-        app.add_plugins(InspectorPlugin)
+        app.add_plugins((EguiPlugin::default(), PanOrbitCameraPlugin, TransformGizmoPlugin))
+            .add_plugins((PlantRenderPlugin, SceneryPlugin, ViewerLogic, InspectorPlugin))
+            .insert_resource(OwnLibrary(self.library.clone()))
+            .insert_resource(Panels::new(self.panels, self.hint))
+            .insert_resource(Files::new(self.folder.clone()))
             .init_resource::<Framing>()
             .init_resource::<Room>()
             .add_systems(PreStartup, camera::spawn_camera)
             .add_systems(EguiPrimaryContextPass, panels::draw)
             .add_systems(
                 PreUpdate,
-                (keys::keys, keys::dropped, pointer::point).after(bevy::input::InputSystems),
+                (keys::keys, files::dropped, pointer::point).after(bevy::input::InputSystems),
             )
             .add_systems(
                 Update,
@@ -187,6 +207,7 @@ impl Plugin for Window3d {
                     pointer::drag,
                     camera::join_overlays,
                     camera::frame,
+                    files::ask,
                     picture::pictures,
                     picture::picture_then_exit,
                 )
@@ -194,6 +215,8 @@ impl Plugin for Window3d {
                     .after(super::follow::follow),
             )
             .add_systems(PostUpdate, camera::gate.before(PanOrbitCameraSystemSet));
+        app.world_mut().resource_mut::<Course>().scenario.clone_from(&self.scenario);
+        app.world_mut().resource_mut::<Shown>().live = true;
     }
 }
 

@@ -3,12 +3,11 @@
 mod bars;
 mod garden;
 
-use std::path::PathBuf;
-
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
 
 use super::act::{Action, OwnLibrary};
+use super::files::Files;
 use super::keys::KEYS;
 use super::state::{Chosen, Course, Doomed, Past, Shown, Toasts, Tool};
 use super::style;
@@ -27,33 +26,14 @@ pub(super) struct Panels {
     pub dark: bool,
     /// Which species is sown, by its place in the list.
     pub species: usize,
-    /// Folder that files go to.
-    pub folder: PathBuf,
     /// The seed being typed.
     seed: String,
-    /// The share code being typed.
-    code: String,
     dressed: Option<bool>,
 }
 
 impl Panels {
-    pub fn new(open: bool, hint: bool, folder: PathBuf) -> Self {
-        Self {
-            open,
-            help: false,
-            hint,
-            dark: true,
-            species: 1,
-            folder,
-            seed: String::new(),
-            code: String::new(),
-            dressed: None,
-        }
-    }
-
-    /// Where the garden is saved to.
-    pub fn save_path(&self) -> PathBuf {
-        self.folder.join("garden.burgeon")
+    pub fn new(open: bool, hint: bool) -> Self {
+        Self { open, help: false, hint, dark: true, species: 1, seed: String::new(), dressed: None }
     }
 }
 
@@ -69,19 +49,19 @@ pub(super) struct Room {
 }
 
 impl Room {
-    /// What the panels take of width and height.
-    pub fn beside(&self) -> Vec2 {
-        Vec2::new(self.left + self.right, self.top + self.bottom)
+    /// What the panels take at the left, right, top and bottom.
+    pub fn margins(&self) -> [f32; 4] {
+        [self.left, self.right, self.top, self.bottom]
+    }
+
+    /// Whether the panels have been drawn yet.
+    pub fn is_known(&self) -> bool {
+        self.top > 0.0
     }
 
     /// Whether the pointer is the scene's.
     pub fn pointer_is_free(&self) -> bool {
         !self.pointer_taken
-    }
-
-    /// How far the middle of the free part is from the middle of the window, right and up.
-    pub fn off_centre(&self) -> Vec2 {
-        0.5 * Vec2::new(self.left - self.right, self.top - self.bottom)
     }
 }
 
@@ -96,6 +76,8 @@ pub(super) struct Seen<'a> {
     pub species: &'a [String],
     pub scenarios: &'a [String],
     pub frames_a_second: f32,
+    /// What saves the garden.
+    pub save: Action,
 }
 
 /// Draws the panels.
@@ -114,15 +96,17 @@ pub(super) fn draw(
     mut toasts: ResMut<Toasts>,
     mut actions: MessageWriter<Action>,
     mut inspector: Inspector,
-    mut pace: Local<f32>,
+    mut files: ResMut<Files>,
+    mut frame: Local<f32>,
 ) -> Result {
     let context = contexts.ctx_mut()?.clone();
     if panels.dressed != Some(panels.dark) {
         style::dress(&context, panels.dark);
         panels.dressed = Some(panels.dark);
     }
-    let frame = time.delta_secs().max(1e-4);
-    *pace += (1.0 / frame - *pace) * 0.1;
+    // The mean over about a second, however long a frame takes.
+    let delta = time.delta_secs();
+    *frame += (delta - *frame) * (1.0 - bevy::math::ops::exp(-delta));
     let (species, scenarios) = (library.0.species_names(), library.0.scenario_names());
     let seen = Seen {
         shown: &shown,
@@ -133,7 +117,8 @@ pub(super) fn draw(
         doomed: doomed.0.len(),
         species: &species,
         scenarios: &scenarios,
-        frames_a_second: *pace,
+        frames_a_second: 1.0 / frame.max(1e-4),
+        save: files.save(),
     };
     let mut act = |action: Action| {
         actions.write(action);
@@ -162,7 +147,7 @@ pub(super) fn draw(
         let side = bar.inner_margin(egui::Margin::same(12));
         left.left = egui::Panel::left("garden")
             .frame(side)
-            .default_size(252.0)
+            .default_size(244.0)
             .resizable(true)
             .show(&mut root, |ui| {
                 egui::ScrollArea::vertical()
@@ -173,7 +158,7 @@ pub(super) fn draw(
             .width();
         left.right = egui::Panel::right("why")
             .frame(side)
-            .default_size(300.0)
+            .default_size(320.0)
             .resizable(true)
             .show(&mut root, |ui| {
                 inspector.show(ui, &shown, &course);
@@ -185,12 +170,16 @@ pub(super) fn draw(
     // A twin takes the right half of what is free.
     left.right += inspector.make_room(&context, left.left, left.right, left.top, left.bottom);
     overlay(&context, &seen, &mut panels, &mut toasts, left);
+    if let Some((ask, path)) = files.bypass_change_detection().show(&context) {
+        inspector.chosen(&mut files, ask, path, &mut toasts).map(&mut act);
+    }
     let whole = context.viewport_rect();
     let free = egui::Rect::from_min_max(
         whole.min + egui::vec2(left.left, left.top),
         whole.max - egui::vec2(left.right, left.bottom),
     );
     left.pointer_taken = context.egui_is_using_pointer()
+        || files.is_open()
         || context.pointer_latest_pos().is_some_and(|at| {
             let floats = context.layer_id_at(at).is_some_and(|layer| layer.order != egui::Order::Background);
             floats || !free.contains(at)
@@ -221,7 +210,8 @@ fn overlay(context: &egui::Context, seen: &Seen, panels: &mut Panels, toasts: &m
     };
     if let Some(word) = word {
         note("tool", egui::Align2::CENTER_TOP, top, &mut |ui| {
-            ui.colored_label(if seen.doomed > 0 { style::RUST } else { style::LEAF }, &word);
+            let color = if seen.doomed > 0 { style::RUST } else { style::LEAF };
+            ui.colored_label(style::ink(ui, color), &word);
         });
     }
     if panels.hint {
@@ -243,7 +233,7 @@ fn overlay(context: &egui::Context, seen: &Seen, panels: &mut Panels, toasts: &m
         note("toasts", egui::Align2::RIGHT_BOTTOM, by, &mut |ui| {
             ui.set_max_width(380.0);
             for toast in current {
-                let color = if toast.bad { style::RUST } else { ui.visuals().text_color() };
+                let color = if toast.bad { style::ink(ui, style::RUST) } else { ui.visuals().text_color() };
                 ui.colored_label(color, &toast.text);
             }
         });
@@ -258,7 +248,7 @@ fn overlay(context: &egui::Context, seen: &Seen, panels: &mut Panels, toasts: &m
             .show(context, |ui| {
                 egui::Grid::new("keys").num_columns(2).spacing([24.0, 5.0]).show(ui, |ui| {
                     for (key, does) in KEYS {
-                        ui.colored_label(style::LEAF, *key);
+                        ui.colored_label(style::ink(ui, style::LEAF), *key);
                         ui.label(*does);
                         ui.end_row();
                     }

@@ -2,8 +2,9 @@
 
 pub mod draft;
 pub mod file;
+mod meter;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -13,17 +14,27 @@ use bevy_egui::egui::{self, RichText};
 use crate::plant::Snapshot;
 use crate::scenario::Order;
 use crate::species::Species;
-use crate::species::parameter::{Parameter, Range, Value};
+use crate::species::parameter::{Parameter, ParameterError, Range, Value};
+use crate::viewer::{Action, Ask};
 use draft::{Draft, When};
 use file::SpeciesFile;
+
+/// What of a species is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+enum Page {
+    /// The table of all parameters.
+    #[default]
+    Parameters,
+    /// What lag and ratio make of an error.
+    Steering,
+}
 
 /// The editor.
 #[derive(Default)]
 pub struct SpeciesEditor {
     draft: Option<Draft>,
     file: Option<SpeciesFile>,
-    /// The path as it is typed.
-    path: String,
+    page: Page,
     filter: String,
     only_changed: bool,
     when: When,
@@ -55,8 +66,34 @@ impl SpeciesEditor {
         }
     }
 
+    /// Name of the species that is edited.
+    pub fn name(&self) -> Option<&str> {
+        self.draft.as_ref().map(Draft::name)
+    }
+
+    /// Takes over the species in a file, and again whenever an editor changes it.
+    pub fn open(&mut self, path: PathBuf) {
+        self.error = None;
+        self.file = Some(SpeciesFile::watch(path));
+    }
+
+    /// Writes the species as it shall be.
+    pub fn save(&mut self, path: &Path) {
+        let Some(draft) = &self.draft else { return };
+        (self.error, self.done) = match file::write(path, draft.species()) {
+            Ok(()) => (None, Some(format!("{} written", path.display()))),
+            Err(bad) => (Some(bad.to_string()), None),
+        };
+    }
+
     /// The panel, of the species of the plants shown.
-    pub fn show(&mut self, ui: &mut egui::Ui, plants: &Snapshot, orders: &mut Vec<Order>) {
+    pub fn show(
+        &mut self,
+        ui: &mut egui::Ui,
+        plants: &Snapshot,
+        orders: &mut Vec<Order>,
+        actions: &mut Vec<Action>,
+    ) {
         let mut kinds: Vec<Arc<Species>> = Vec::new();
         for plant in plants.plants.iter().flatten() {
             if !kinds.iter().any(|kind| kind.name == plant.species.name) {
@@ -73,22 +110,40 @@ impl SpeciesEditor {
             Some(draft) if draft.name() == now.name => draft.follow(now),
             draft => *draft = Some(Draft::of(now)),
         }
-        self.choose(ui, &kinds);
-        let Some(draft) = &mut self.draft else { return };
-        if !draft.now().description.is_empty() {
-            ui.label(RichText::new(&draft.now().description).small().weak());
-        }
         ui.horizontal(|ui| {
-            ui.add(egui::TextEdit::singleline(&mut self.filter).hint_text("Find").desired_width(120.0));
-            ui.checkbox(&mut self.only_changed, "changed only");
+            self.choose(ui, &kinds);
+            ui.selectable_value(&mut self.page, Page::Parameters, "Parameters");
+            ui.selectable_value(&mut self.page, Page::Steering, "Steering")
+                .on_hover_text("What lag and compensation ratio make of an error");
         });
-        let height = (ui.available_height() - 150.0).max(140.0);
-        egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
-            rows(ui, draft, &self.filter, self.only_changed);
-        });
+        let Some(draft) = &mut self.draft else { return };
+        let height = (ui.available_height() - 130.0).max(140.0);
+        let refused = match self.page {
+            Page::Parameters => {
+                if !draft.now().description.is_empty() {
+                    ui.label(RichText::new(&draft.now().description).small().weak());
+                }
+                ui.horizontal(|ui| {
+                    ui.add(
+                        egui::TextEdit::singleline(&mut self.filter).hint_text("Find").desired_width(120.0),
+                    );
+                    ui.checkbox(&mut self.only_changed, "changed only");
+                });
+                let height = (ui.available_height() - 130.0).max(140.0);
+                let scroll = egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+                scroll.show(ui, |ui| rows(ui, draft, &self.filter, self.only_changed)).inner
+            }
+            Page::Steering => {
+                let scroll = egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+                scroll.show(ui, |ui| meter::show(ui, draft)).inner
+            }
+        };
+        if let Err(why) = refused {
+            self.error = Some(why.to_string());
+        }
         ui.separator();
         self.apply(ui, orders);
-        self.files(ui, orders);
+        self.files(ui, actions);
         if let Some(error) = &self.error {
             ui.colored_label(ui.visuals().error_fg_color, error);
         } else if let Some(done) = &self.done {
@@ -130,31 +185,17 @@ impl SpeciesEditor {
         });
     }
 
-    fn files(&mut self, ui: &mut egui::Ui, orders: &mut Vec<Order>) {
+    fn files(&mut self, ui: &mut egui::Ui, actions: &mut Vec<Action>) {
         ui.horizontal(|ui| {
-            let hint = "my_oak.ron";
-            ui.add(egui::TextEdit::singleline(&mut self.path).hint_text(hint).desired_width(150.0));
-            let named = !self.path.trim().is_empty();
-            let path = PathBuf::from(self.path.trim());
             if ui
-                .add_enabled(named, egui::Button::new("Save"))
-                .on_hover_text("Writes the species as it is here; other files are kept.")
+                .button("Open …")
+                .on_hover_text("Takes over a species file, and again whenever an editor changes it.")
                 .clicked()
-                && let Some(draft) = &self.draft
             {
-                match file::write(&path, draft.species()) {
-                    Ok(()) => (self.error, self.done) = (None, Some(format!("{} written", path.display()))),
-                    Err(bad) => (self.error, self.done) = (Some(bad.to_string()), None),
-                }
+                actions.push(Action::Ask(Ask::Open));
             }
-            if ui
-                .add_enabled(named, egui::Button::new("Watch"))
-                .on_hover_text("Reads the file, and again whenever it is changed by an editor.")
-                .clicked()
-            {
-                self.error = None;
-                self.file = Some(SpeciesFile::watch(path));
-                self.watch(Instant::now(), orders);
+            if ui.button("Save …").on_hover_text("Writes the species as it is here.").clicked() {
+                actions.push(Action::Ask(Ask::Species));
             }
         });
         if let Some(file) = &self.file {
@@ -169,8 +210,14 @@ impl SpeciesEditor {
     }
 }
 
-/// A row for every parameter that is wanted.
-fn rows(ui: &mut egui::Ui, draft: &mut Draft, filter: &str, only_changed: bool) {
+/// A row for every parameter that is wanted. An error is a value that is not allowed.
+fn rows(
+    ui: &mut egui::Ui,
+    draft: &mut Draft,
+    filter: &str,
+    only_changed: bool,
+) -> Result<(), ParameterError> {
+    let mut taken = Ok(());
     let filter = filter.trim().to_lowercase();
     egui::Grid::new("parameters").num_columns(3).striped(true).spacing([8.0, 3.0]).show(ui, |ui| {
         for row in Species::parameters() {
@@ -195,7 +242,7 @@ fn rows(ui: &mut egui::Ui, draft: &mut Draft, filter: &str, only_changed: bool) 
                 }
             });
             if new != value {
-                draft.set(row.name, &new);
+                taken = draft.set(row.name, &new);
             }
             if changed {
                 if ui.small_button("↺").on_hover_text("As it is now").clicked() {
@@ -207,6 +254,7 @@ fn rows(ui: &mut egui::Ui, draft: &mut Draft, filter: &str, only_changed: bool) 
             ui.end_row();
         }
     });
+    taken
 }
 
 /// What a parameter is, its unit, range and default.

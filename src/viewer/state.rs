@@ -38,6 +38,8 @@ pub struct Course {
     pub records: Vec<StepRecord>,
     /// Name of the scenario.
     pub scenario: String,
+    /// Counts the gardens that took the place of another.
+    pub began: u64,
     /// Whether growth has stopped at a limit or an edit that cannot be made.
     pub stopped: bool,
 }

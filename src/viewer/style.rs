@@ -11,18 +11,33 @@ pub(super) const SKY: Color32 = Color32::from_rgb(0x6c, 0xb4, 0xe8);
 /// Rust: what goes, what did not work.
 pub(super) const RUST: Color32 = Color32::from_rgb(0xe0, 0x70, 0x58);
 
+/// A colour as it can be read on the panels: on light ones darker.
+pub(super) fn ink(ui: &egui::Ui, color: Color32) -> Color32 {
+    if ui.visuals().dark_mode {
+        return color;
+    }
+    let [r, g, b, a] = color.to_array();
+    let darker = |part: u8| (f32::from(part) * 0.58) as u8;
+    Color32::from_rgba_premultiplied(darker(r), darker(g), darker(b), a)
+}
+
 /// Dresses a context, dark or light.
 pub(super) fn dress(context: &egui::Context, dark: bool) {
     let mut visuals = if dark { Visuals::dark() } else { Visuals::light() };
     let (panel, line, field) = if dark {
         (
-            Color32::from_rgba_unmultiplied(22, 25, 24, 238),
+            // Opaque: a lamp behind a panel must not shine through its words.
+            Color32::from_rgb(22, 25, 24),
             Color32::from_gray(52),
             Color32::from_rgb(14, 16, 15),
         )
     } else {
-        (Color32::from_rgba_unmultiplied(246, 245, 240, 242), Color32::from_gray(208), Color32::WHITE)
+        (Color32::from_rgb(246, 245, 240), Color32::from_gray(208), Color32::WHITE)
     };
+    // Words that only name a thing are quieter than what they name, and still read at arm's length.
+    let (text, weak) = if dark { (214, 156) } else { (38, 98) };
+    visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(text);
+    visuals.weak_text_color = Some(Color32::from_gray(weak));
     visuals.panel_fill = panel;
     visuals.window_fill = panel;
     visuals.extreme_bg_color = field;

@@ -340,6 +340,7 @@ impl Work {
         timeline.adopt_settings(&self.timeline);
         self.timeline = timeline;
         self.change(None);
+        self.tell(News::Began(self.timeline.scenario().name));
     }
 
     fn write(&self, path: &Path, text: &str) -> Result<(), GardenerError> {

@@ -5,6 +5,7 @@ use bevy_egui::egui::{self, Ui};
 use super::{Panels, Seen};
 use crate::scenario::Order;
 use crate::viewer::act::Action;
+use crate::viewer::files::Ask;
 use crate::viewer::state::{Kind, Tool};
 use crate::viewer::style;
 
@@ -44,6 +45,15 @@ pub(super) fn top(ui: &mut Ui, seen: &Seen, panels: &mut Panels, act: &mut impl 
             Action::Tell(Order::Undo),
         );
         button(ui, progress.redoable > 0, "Redo", "Make it again (Ctrl+Shift+Z)", Action::Tell(Order::Redo));
+        ui.separator();
+        button(
+            ui,
+            true,
+            "Open",
+            "A garden, scenario, run or species (Ctrl+O); or drop its file on the window",
+            Action::Ask(Ask::Open),
+        );
+        button(ui, true, "Save", "The whole garden with its past (Ctrl+S)", seen.save.clone());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if ui.button("?").on_hover_text("Every key").clicked() {
                 panels.help = !panels.help;
@@ -58,7 +68,8 @@ pub(super) fn top(ui: &mut Ui, seen: &Seen, panels: &mut Panels, act: &mut impl 
             if ui.button(if panels.open { "Fold" } else { "Panels" }).on_hover_text("Panels (H)").clicked() {
                 panels.open = !panels.open;
             }
-            ui.weak(format!("{:.0} frames/s", seen.frames_a_second));
+            let rate = seen.frames_a_second;
+            ui.weak(format!("{rate:.0$} frames/s", usize::from(rate < 9.5)));
         });
     });
 }
@@ -74,7 +85,7 @@ pub(super) fn timeline(ui: &mut Ui, seen: &Seen, act: &mut impl FnMut(Action)) {
         if ui.button("Step").on_hover_text("Grow one step (.)").clicked() {
             act(Action::Tell(Order::Step));
         }
-        if ui.button("Seed").on_hover_text("Back to the seed; edits stay").clicked() {
+        if ui.button("Restart").on_hover_text("Back to the seed; edits stay").clicked() {
             act(Action::Tell(Order::Restart));
         }
         let mut pace = progress.pace.unwrap_or(8.0);
@@ -112,7 +123,7 @@ pub(super) fn timeline(ui: &mut Ui, seen: &Seen, act: &mut impl FnMut(Action)) {
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.colored_label(style::LEAF, format!("{} organs", thousands(progress.organs)));
+            ui.colored_label(style::ink(ui, style::LEAF), format!("{} organs", thousands(progress.organs)));
         });
     });
 }

@@ -1,4 +1,4 @@
-//! The panel at the left: what grows and stands here, how the tree does, how to leave with something.
+//! The panel at the left: what grows and stands here, and how the tree does.
 
 use bevy::prelude::Vec3;
 use bevy_egui::egui::{self, Ui};
@@ -9,7 +9,6 @@ use crate::environment::{Lamp, Sky};
 use crate::plant::measure::StepRecord;
 use crate::scenario::{Edit, Fixture, Order};
 use crate::viewer::act::Action;
-use crate::viewer::leave::free;
 use crate::viewer::state::{Chosen, Toasts};
 use crate::viewer::style;
 
@@ -60,8 +59,6 @@ pub(super) fn garden(
     standing(ui, seen, act);
     ui.add_space(8.0);
     numbers(ui, &seen.course.records);
-    ui.add_space(8.0);
-    leave(ui, panels, act);
 }
 
 /// What stands here; what is chosen can be changed.
@@ -174,9 +171,10 @@ fn plot(ui: &mut Ui, name: &str, records: &[StepRecord], values: &[Value]) {
     ui.horizontal(|ui| {
         ui.weak(name);
         for (name, color, _) in values {
-            ui.colored_label(*color, egui::RichText::new(*name).small());
+            ui.colored_label(style::ink(ui, *color), egui::RichText::new(*name).small());
         }
     });
+    let inks: Vec<_> = values.iter().map(|(_, color, _)| style::ink(ui, *color)).collect();
     Plot::new(name)
         .height(64.0)
         .show_axes([false, true])
@@ -187,48 +185,9 @@ fn plot(ui: &mut Ui, name: &str, records: &[StepRecord], values: &[Value]) {
         .allow_scroll(false)
         .include_y(0.0)
         .show(ui, |plot| {
-            for (name, color, value) in values {
+            for ((name, _, value), color) in values.iter().zip(inks) {
                 let points: PlotPoints = records.iter().map(|r| [f64::from(r.step), value(r)]).collect();
-                plot.line(Line::new(*name, points).color(*color).width(1.6));
+                plot.line(Line::new(*name, points).color(color).width(1.6));
             }
         });
-}
-
-/// Saves, pictures, codes.
-fn leave(ui: &mut Ui, panels: &mut Panels, act: &mut impl FnMut(Action)) {
-    ui.heading("Leave with something");
-    let mut saved = |ui: &mut Ui, name: &str, tip: &str, action: Action| {
-        if ui.button(name).on_hover_text(tip).clicked() {
-            act(action);
-        }
-    };
-    ui.horizontal_wrapped(|ui| {
-        let folder = &panels.folder;
-        saved(
-            ui,
-            "Save",
-            "The whole garden with its past (Ctrl+S)",
-            Action::Tell(Order::Save(panels.save_path())),
-        );
-        saved(
-            ui,
-            "Scenario",
-            "The scenario, your edits in it",
-            Action::Tell(Order::SaveScenario(free(folder, "scenario", "ron"))),
-        );
-        saved(
-            ui,
-            "Run",
-            "run.ron, which grows the same tree again",
-            Action::Tell(Order::SaveRun(free(folder, "run", "ron"))),
-        );
-        saved(ui, "Picture", "A picture of the window", Action::Picture(free(folder, "window", "png")));
-        saved(ui, "Code", "A short code that grows this tree anywhere", Action::Tell(Order::Share));
-    });
-    ui.horizontal(|ui| {
-        ui.add(egui::TextEdit::singleline(&mut panels.code).hint_text("a share code").desired_width(130.0));
-        if ui.add_enabled(!panels.code.trim().is_empty(), egui::Button::new("Grow it")).clicked() {
-            act(Action::Tell(Order::LoadCode(panels.code.trim().into())));
-        }
-    });
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::scenario::{Edit, Order};
 use crate::species::Species;
-use crate::species::parameter::Value;
+use crate::species::parameter::{ParameterError, Value};
 
 /// From when on a change counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -65,7 +65,8 @@ impl Draft {
         self.now = now.clone();
         self.wanted = Species::clone(now);
         for (name, value) in changes {
-            self.set(name, &value);
+            // It was allowed before, and ranges do not move.
+            self.set(name, &value).ok();
         }
     }
 
@@ -74,10 +75,12 @@ impl Draft {
         self.wanted = Species { name: self.now.name.clone(), ..other.clone() };
     }
 
-    /// Sets a parameter; a value that is not allowed changes nothing.
-    pub fn set(&mut self, name: &str, value: &Value) {
-        // The widgets keep within the range; what does not is not taken.
-        let _ = self.wanted.set(name, value);
+    /// Sets a parameter.
+    ///
+    /// # Errors
+    /// A value that is not allowed, which changes nothing.
+    pub fn set(&mut self, name: &str, value: &Value) -> Result<(), ParameterError> {
+        self.wanted.set(name, value)
     }
 
     /// Whether a parameter is changed.
@@ -88,7 +91,8 @@ impl Draft {
     /// Makes a parameter what it is.
     pub fn reset(&mut self, name: &str) {
         if let Some(value) = self.now.get(name) {
-            self.set(name, &value);
+            // What the species has is allowed.
+            self.set(name, &value).ok();
         }
     }
 
@@ -126,8 +130,14 @@ mod tests {
         let now = Arc::new(Species::default());
         let mut draft = Draft::of(&now);
         assert_eq!(draft.order(When::GoOn), None);
-        draft.set("candidates", &Value::Whole(33));
-        draft.set("leaf_length_m", &Value::Real(1.0e9));
+        draft.set("candidates", &Value::Whole(33)).unwrap();
+        assert!(
+            draft
+                .set("leaf_length_m", &Value::Real(1.0e9))
+                .unwrap_err()
+                .to_string()
+                .contains("leaf_length_m")
+        );
         assert!(draft.is_changed("candidates") && !draft.is_changed("leaf_length_m"));
         let Some(Order::Edit { step: Some(0), edit: Edit::SetAll { species, values }, .. }) =
             draft.order(When::Regrow)
@@ -142,7 +152,7 @@ mod tests {
     fn changes_stay_when_the_species_changes_underneath() {
         let now = Arc::new(Species::default());
         let mut draft = Draft::of(&now);
-        draft.set("candidates", &Value::Whole(33));
+        draft.set("candidates", &Value::Whole(33)).unwrap();
         let later = Arc::new(Species { leaf_cost: 2.0, ..Species::default() });
         draft.follow(&later);
         assert_eq!((draft.species().candidates, draft.species().leaf_cost), (33, 2.0));

@@ -1,5 +1,7 @@
 //! Everything that explains, measures, edits species and exports, in one panel with tabs.
 
+use std::path::PathBuf;
+
 use bevy::diagnostic::{DiagnosticsStore, FrameTimeDiagnosticsPlugin};
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -7,11 +9,12 @@ use bevy_egui::egui::{self, RichText};
 
 use super::split::{self, Split};
 use super::{WhyPanel, candidates, ledger::Ledger, legend};
-use crate::scenario::{Gardener, News, Order};
+use crate::scenario::{News, Order};
+use crate::viewer::files::{Ask, Files};
 use crate::viewer::leave::{Leave, take_screenshot};
 use crate::viewer::numbers::Numbers;
 use crate::viewer::species_editor::SpeciesEditor;
-use crate::viewer::{Action, Chosen, Course, Shown};
+use crate::viewer::{Action, Chosen, Course, Shown, Toasts};
 
 /// Adds what the panel needs; its host calls [`Answers::hear`] with all news and [`Inspector::show`] where there is
 /// room.
@@ -51,7 +54,7 @@ impl Tab {
         (Self::Ledger, "Gone", "Which organs went, and why"),
         (Self::Numbers, "Numbers", "Size, organs, energy, light and time by step"),
         (Self::Species, "Species", "Every parameter of the plants' species"),
-        (Self::Leave, "Take away", "Pictures, films, models, tables, codes"),
+        (Self::Leave, "Export", "Pictures, films, models, tables, codes"),
     ];
 }
 
@@ -107,13 +110,11 @@ impl Answers {
 /// Asks the gardener for what is on the open tab and not yet known.
 pub fn ask(
     mut answers: ResMut<Answers>,
-    gardener: Option<Res<Gardener>>,
     shown: Res<Shown>,
     course: Res<Course>,
     chosen: Res<Chosen>,
     mut actions: MessageWriter<Action>,
 ) {
-    let Some(gardener) = gardener else { return };
     let present = course.progress.present;
     let mut orders = Vec::new();
     let answers = answers.bypass_change_detection();
@@ -140,29 +141,17 @@ pub fn ask(
         _ => {}
     }
     answers.species.watch(std::time::Instant::now(), &mut orders);
-    give(orders, &gardener, &mut answers.actions);
+    give(orders, &mut answers.actions);
     actions.write_batch(answers.actions.drain(..));
 }
 
-/// Gives orders to the gardener; an edit without a step goes the way of all edits, to the step on screen.
-fn give(orders: Vec<Order>, gardener: &Gardener, actions: &mut Vec<Action>) {
-    for order in orders {
-        match order {
-            Order::Edit { step: None, edit, drag: false } => {
-                actions.push(Action::Edit(edit));
-            }
-            Order::Edit { step: None, edit, drag: true } => {
-                actions.push(Action::Drag(edit));
-            }
-            Order::LoadCode(code) => {
-                actions.push(Action::Tell(Order::LoadCode(code)));
-            }
-            // A gardener that has ended has told so.
-            order => {
-                let _ = gardener.order(order);
-            }
-        }
-    }
+/// Passes orders on; an edit without a step goes the way of all edits, to the step on screen.
+fn give(orders: Vec<Order>, actions: &mut Vec<Action>) {
+    actions.extend(orders.into_iter().map(|order| match order {
+        Order::Edit { step: None, edit, drag: false } => Action::Edit(edit),
+        Order::Edit { step: None, edit, drag: true } => Action::Drag(edit),
+        order => Action::Tell(order),
+    }));
 }
 
 /// All that the panel reads and writes.
@@ -170,7 +159,6 @@ fn give(orders: Vec<Order>, gardener: &Gardener, actions: &mut Vec<Action>) {
 pub struct Inspector<'w> {
     answers: ResMut<'w, Answers>,
     split: ResMut<'w, Split>,
-    gardener: Option<Res<'w, Gardener>>,
     diagnostics: Option<Res<'w, DiagnosticsStore>>,
 }
 
@@ -188,6 +176,17 @@ impl Inspector<'_> {
         });
         ui.separator();
         self.contents(ui, self.answers.tab, shown, course);
+    }
+
+    /// Does with a file what it was asked for.
+    pub(in crate::viewer) fn chosen(
+        &mut self,
+        files: &mut Files,
+        ask: Ask,
+        path: PathBuf,
+        toasts: &mut Toasts,
+    ) -> Option<Action> {
+        files.chosen(ask, path, &mut self.answers, toasts)
     }
 
     /// Tells the twin where it may be seen, beside panels of these sizes, logical pixels. Returns the width it takes.
@@ -243,14 +242,13 @@ impl Inspector<'_> {
                     answers.actions.push(Action::Look(Some(step)));
                 }
             }
-            Tab::Species => answers.species.show(ui, &view.shot, &mut orders),
+            Tab::Species => answers.species.show(ui, &view.shot, &mut orders, &mut answers.actions),
             Tab::Leave => {
-                scroll.show(ui, |ui| answers.leave.show(ui, &course.scenario, view.step, &mut orders));
+                let (leave, actions) = (&mut answers.leave, &mut answers.actions);
+                scroll.show(ui, |ui| leave.show(ui, &course.scenario, view.step, &mut orders, actions));
             }
         }
-        if let Some(gardener) = &self.gardener {
-            give(orders, gardener, &mut self.answers.actions);
-        }
+        give(orders, &mut self.answers.actions);
     }
 }
 

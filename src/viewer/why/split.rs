@@ -103,7 +103,10 @@ impl Split {
 pub fn follow_twin(mut split: ResMut<Split>, shown: Res<Shown>, course: Res<Course>) {
     let split = split.bypass_change_detection();
     let (Some(twin), Some(view)) = (&mut split.twin, &shown.view) else { return };
-    twin.follow(view.step, course.progress.present);
+    if let Err(gone) = twin.follow(view.step, course.progress.present) {
+        split.close();
+        split.error = Some(format!("beside it: {gone}"));
+    }
 }
 
 /// Shows the twin, or takes it away.
@@ -150,7 +153,7 @@ pub fn show_twin(
     let whole = UVec2::new(window.physical_width().max(2), window.physical_height().max(2));
     let [left, top, width, height] = split.free.unwrap_or([0, 0, whole.x, whole.y]);
     let half = UVec2::new((width / 2).max(1), height.max(1));
-    let corner = UVec2::new(left + width - half.x, top);
+    let corner = UVec2::new((left + width).saturating_sub(half.x), top);
     if (corner + half).cmpgt(whole).any() {
         return;
     }

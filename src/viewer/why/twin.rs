@@ -6,7 +6,7 @@ use crate::assets::Library;
 use crate::environment::workers::Workers;
 use crate::files::SharedTree;
 use crate::scenario::{
-    Edit, Gardener, GardenerSettings, News, Order, Progress, TimedEdit, Timeline, TimelineError, View,
+    Edit, Gardener, GardenerSettings, Gone, News, Order, Progress, TimedEdit, Timeline, TimelineError, View,
 };
 
 /// Why there is no second garden.
@@ -47,7 +47,10 @@ impl Twin {
     }
 
     /// Keeps step: grows as far as the first has, and shows the step that is shown there.
-    pub fn follow(&mut self, shown: u32, present: u32) {
+    ///
+    /// # Errors
+    /// [`Gone`] if its gardener has ended.
+    pub fn follow(&mut self, shown: u32, present: u32) -> Result<(), Gone> {
         while let Some(news) = self.gardener.news() {
             match news {
                 News::Grown(view, progress) | News::Changed { view, progress, .. } => {
@@ -64,13 +67,14 @@ impl Twin {
         let idle = self.progress.catching_up.is_none() && self.progress.present >= self.ordered;
         if idle && self.progress.present < present {
             self.ordered = self.progress.present + 1;
-            let _ = self.gardener.order(Order::Step);
+            self.gardener.order(Order::Step)?;
         }
         let there = self.view.as_ref().map(|view| view.step);
         if shown <= self.progress.present && there != Some(shown) && self.sought != Some(shown) {
             self.sought = Some(shown);
-            let _ = self.gardener.order(Order::Seek(shown));
+            self.gardener.order(Order::Seek(shown))?;
         }
+        Ok(())
     }
 
     /// What it shows: the step of the first, or the last it has come to.
@@ -100,7 +104,7 @@ mod tests {
         let mut wait = |step: u32, present: u32| {
             let began = Instant::now();
             while twin.view().is_none_or(|view| view.step != step || twin.progress.present < present) {
-                twin.follow(step, present);
+                twin.follow(step, present).unwrap();
                 std::thread::sleep(Duration::from_millis(5));
                 assert!(began.elapsed() < Duration::from_secs(60), "step {step}");
             }
