@@ -14,9 +14,9 @@ use crate::scenario::Fixtures;
 const OPEN_YAW: f32 = 0.45;
 /// How far the camera turns from straight across the lean towards the open side, so that a wall shows its face.
 const ASIDE: f32 = 0.3;
-/// Solids and lamps farther from the plants than this are no part of the picture, metres.
-const NEAR: f32 = 2.4;
-/// As [`NEAR`], for the middle of a lamp.
+/// What of solids is within the height of the plants, and between these bounds in metres, is part of the picture.
+const NEAR: [f32; 2] = [0.9, 2.4];
+/// A lamp is if its middle is within this of the plants, metres.
 const NEAR_LAMP: f32 = 5.0;
 /// The camera comes no nearer than this, metres.
 const NEAREST: f32 = 2.2;
@@ -85,7 +85,8 @@ pub(super) fn sight(shot: &Snapshot, standing: &Fixtures) -> Vec<Extent> {
         let turn = Mat3::from_quat(solid.rotation);
         let half = half_size(solid.thing.shape.scaled(solid.scale));
         let reach = turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;
-        Extent::around(solid.position, reach).common(near(NEAR))
+        Extent::around(solid.position, reach)
+            .common(near((plants.high.y - plants.low.y).clamp(NEAR[0], NEAR[1])))
     });
     let lamps = standing.lamps.iter().filter_map(|lamp| {
         let point = Extent::around(lamp.position, Vec3::ZERO);
