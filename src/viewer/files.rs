@@ -107,8 +107,8 @@ impl Files {
                     path.extension().is_some_and(|ending| ending == "ron" || ending == "burgeon")
                 };
                 *config = std::mem::take(config)
-                    .add_file_filter("gardens, scenarios, species", egui_file_dialog::Filter::new(ours));
-                config.default_file_filter = Some("gardens, scenarios, species".into());
+                    .add_file_filter("Burgeon's files", egui_file_dialog::Filter::new(ours));
+                config.default_file_filter = Some("Burgeon's files".into());
                 self.dialog.pick_file();
             }
             Ask::Folder => self.dialog.pick_directory(),

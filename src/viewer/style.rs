@@ -11,14 +11,15 @@ pub(super) const SKY: Color32 = Color32::from_rgb(0x6c, 0xb4, 0xe8);
 /// Rust: what goes, what did not work.
 pub(super) const RUST: Color32 = Color32::from_rgb(0xe0, 0x70, 0x58);
 
-/// A colour as it can be read on the panels: on light ones darker.
+/// A colour as it can be read on the panels: on light ones darker, and fuller so that colours stay apart.
 pub(super) fn ink(ui: &egui::Ui, color: Color32) -> Color32 {
     if ui.visuals().dark_mode {
         return color;
     }
-    let [r, g, b, a] = color.to_array();
-    let darker = |part: u8| (f32::from(part) * 0.58) as u8;
-    Color32::from_rgba_premultiplied(darker(r), darker(g), darker(b), a)
+    let parts = [color.r(), color.g(), color.b()].map(f32::from);
+    let grey = 0.5 * parts.into_iter().fold(255.0, f32::min);
+    let [r, g, b] = parts.map(|part| (0.72 * (part - grey)) as u8);
+    Color32::from_rgb(r, g, b)
 }
 
 /// Dresses a context, dark or light.
