@@ -10,6 +10,7 @@ pub mod obj;
 pub mod picture;
 pub mod plot;
 pub mod reel;
+mod strip;
 pub mod tables;
 
 pub use error::ExportError;

@@ -5,10 +5,12 @@ pub mod blade;
 pub mod crown;
 pub mod foliage;
 pub mod leaves;
+pub mod levels;
 pub(crate) mod noise;
 pub mod outline;
 pub mod paint;
 mod surface;
+pub mod tangents;
 pub mod texture;
 pub mod tubes;
 

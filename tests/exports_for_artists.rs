@@ -7,11 +7,15 @@ use std::sync::OnceLock;
 
 use bevy::prelude::*;
 use burgeon::assets::Library;
-use burgeon::export::gltf::{GlbSettings, write_glb};
-use burgeon::plant::Snapshot;
+use burgeon::environment::workers::Workers;
+use burgeon::export::ExportError;
+use burgeon::export::gltf::{GlbSettings, GrowthFilm, Level, MOST_TRIANGLES, write_glb};
+use burgeon::plant::{OrganState, Snapshot};
 use burgeon::shape::bark::Bark;
 use burgeon::shape::crown::Crown;
+use burgeon::shape::levels::{self, Shape};
 use burgeon::shape::outline::LeafOutline;
+use burgeon::shape::{Surface, texture};
 use burgeon::species::Species;
 use burgeon::species::parameter::Color;
 use common::grown;
@@ -87,6 +91,13 @@ impl Model {
         reader.read_colors(set).unwrap().into_rgba_f32().map(Vec4::from).collect()
     }
 
+    /// Least and greatest corner of what a node shows.
+    fn node_bounds(&self, node: &gltf::Node) -> (Vec3, Vec3) {
+        let boxes = node.mesh().unwrap().primitives().map(|p| p.bounding_box()).collect::<Vec<_>>();
+        let corners = boxes.iter().map(|b| (Vec3::from(b.min), Vec3::from(b.max)));
+        corners.reduce(|(a, b), (c, d)| (a.min(c), b.max(d))).unwrap()
+    }
+
     /// What a reader may rely on: aligned views inside the file, least and greatest as they are.
     fn check(&self) {
         for view in self.document.views() {
@@ -97,6 +108,10 @@ impl Model {
             let view = accessor.view().unwrap();
             assert_eq!(accessor.count() * accessor.size(), view.length());
         }
+        self.check_meshes();
+    }
+
+    fn check_meshes(&self) {
         for mesh in self.document.meshes() {
             for primitive in mesh.primitives() {
                 let reader = primitive.reader(|_| Some(&self.blob));
@@ -106,8 +121,14 @@ impl Model {
                 assert_eq!(Vec3::from(bounds.max), positions.iter().copied().reduce(Vec3::max).unwrap());
                 let indices = reader.read_indices().unwrap().into_u32();
                 assert!(indices.max().unwrap() < positions.len() as u32);
-                for normal in reader.read_normals().unwrap() {
-                    assert!((Vec3::from(normal).length() - 1.0).abs() < 1e-4);
+                let normals: Vec<Vec3> = reader.read_normals().unwrap().map(Vec3::from).collect();
+                assert!(normals.iter().all(|normal| (normal.length() - 1.0).abs() < 1e-4));
+                let relief = primitive.material().normal_texture().is_some();
+                assert_eq!(relief, reader.read_tangents().is_some());
+                for (tangent, normal) in reader.read_tangents().into_iter().flatten().zip(&normals) {
+                    let across = Vec4::from(tangent).xyz();
+                    assert!((across.length() - 1.0).abs() < 1e-4 && across.dot(*normal).abs() < 1e-3);
+                    assert_eq!(tangent[3].abs(), 1.0);
                 }
             }
         }
@@ -133,7 +154,7 @@ fn textures_have_the_colours_of_their_species() {
     for name in ["oak", "silver_birch", "scots_pine", "japanese_maple", "palm"] {
         let species = Species::named(name).unwrap();
         let tree = alone(name, 3);
-        let model = Model::of(&tree, GlbSettings { wind_first: true });
+        let model = Model::of(&tree, GlbSettings { wind_first: true, ..default() });
         model.check();
         let (bark, image) = model.look(&format!("{name} bark"));
         assert_eq!((image.width(), image.height()), (256, 256));
@@ -231,7 +252,7 @@ fn crowns_are_round_and_wood_is_not() {
 fn wind_colours_rise_from_the_ground_to_the_tips() {
     let tree = birch();
     let plain = Model::of(tree, GlbSettings::default());
-    let first = Model::of(tree, GlbSettings { wind_first: true });
+    let first = Model::of(tree, GlbSettings { wind_first: true, ..default() });
     for part in ["wood", "leaves"] {
         assert_eq!(plain.colors(part, 1), first.colors(part, 0));
         for color in plain.colors(part, 0).iter().chain(&plain.colors(part, 1)) {
@@ -258,4 +279,246 @@ fn wind_colours_rise_from_the_ground_to_the_tips() {
         by_place.entry(place.organ).or_default().push(wind.y);
     }
     assert!(by_place.values().all(|sways| sways.iter().all(|sway| *sway == sways[0] && *sway > 0.0)));
+}
+
+/// Least and greatest corner of all that is drawn.
+fn bounds(shapes: &[Shape]) -> (Vec3, Vec3) {
+    shapes.iter().filter_map(Shape::bounds).reduce(|(a, b), (c, d)| (a.min(c), b.max(d))).unwrap()
+}
+
+/// Height and the two widths.
+fn extents(shapes: &[Shape]) -> Vec3 {
+    let (low, high) = bounds(shapes);
+    high - low
+}
+
+/// The same tree after its leaves fell.
+fn bare(tree: &Snapshot) -> Snapshot {
+    let mut tree = tree.clone();
+    for state in &mut tree.state {
+        if let OrganState::Leaf(leaf) = state {
+            leaf.size = 0.0;
+        }
+    }
+    tree
+}
+
+fn area(surface: &Surface) -> f32 {
+    let corner = |i: u32| Vec3::from(surface.positions[i as usize]);
+    let twice = |t: &[u32]| (corner(t[1]) - corner(t[0])).cross(corner(t[2]) - corner(t[0])).length();
+    surface.indices.chunks(3).map(|t| 0.5 * twice(t)).sum()
+}
+
+#[test]
+fn levels_of_detail_keep_to_their_triangles_and_to_the_silhouette() {
+    for (name, steps) in [("silver_birch", 9), ("oak", 8), ("scots_pine", 9), ("palm", 12)] {
+        let in_leaf = alone(name, steps);
+        for (tree, leafy) in [(bare(&in_leaf), false), (in_leaf, true)] {
+            let full = Shape::full(&tree);
+            let all: usize = full.iter().map(Shape::triangles).sum();
+            for level in Level::three(all / 3) {
+                let shapes = levels::within(&tree, level.triangles);
+                let triangles: usize = shapes.iter().map(Shape::triangles).sum();
+                assert!(triangles <= level.triangles, "{name} {triangles} {level:?}");
+                assert!(!leafy || triangles * 5 >= level.triangles, "{name} wastes: {triangles} {level:?}");
+                // A bare tree of less has no triangles left for every limb that holds its width.
+                let off = (extents(&shapes) / extents(&full) - 1.0).abs();
+                assert!(triangles < 300 && !leafy || off.max_element() < 0.05, "{name} {level:?} {off}");
+                for surface in shapes.iter().flat_map(|shape| [&shape.wood, &shape.leaves]) {
+                    assert!(surface.normals.iter().all(|n| (Vec3::from(*n).length() - 1.0).abs() < 1e-4));
+                }
+            }
+            assert_eq!(levels::within(&tree, all), full, "all detail where it fits");
+        }
+    }
+}
+
+#[test]
+fn merged_leaves_keep_their_area() {
+    let tree = birch();
+    let species = &tree.plants[0].as_ref().unwrap().species;
+    let leaves: f32 =
+        tree.state.iter().map(|s| if let OrganState::Leaf(leaf) = s { leaf.size } else { 0.0 }).sum();
+    let wanted = leaves * species.leaf_area();
+    let all: usize = Shape::full(tree).iter().map(Shape::triangles).sum();
+    for part in [2, 8, 40] {
+        let shape = &levels::within(tree, all / part)[0];
+        let covered =
+            if shape.sprays { texture::spray(species, false).covered() } else { species.leaf_outline.fill() };
+        let shown = area(&shape.leaves) * covered;
+        assert!((shown / wanted - 1.0).abs() < 0.02, "1/{part}: {shown} of {wanted}");
+        assert_eq!(shape.sprays, part == 40);
+    }
+}
+
+#[test]
+fn a_level_of_nearly_nothing_is_still_within_its_triangles() {
+    for triangles in [0, 1, 9, 62, 250] {
+        let shapes = levels::within(birch(), triangles);
+        assert!(shapes.iter().map(Shape::triangles).sum::<usize>() <= triangles);
+    }
+}
+
+#[test]
+fn a_level_is_named_and_has_the_material_of_its_cards() {
+    let level = Level::three(3200)[2];
+    let settings = GlbSettings { level: Some(level), ..default() };
+    let model = Model::of(birch(), settings);
+    model.check();
+    let triangles: usize = model
+        .document
+        .accessors()
+        .filter(|a| a.dimensions() == gltf::accessor::Dimensions::Scalar)
+        .map(|a| a.count() / 3)
+        .sum();
+    assert!(triangles <= 200 && triangles > 100, "{triangles}");
+    assert!(model.document.nodes().any(|node| node.name() == Some("silver_birch 0_LOD2")));
+    let (sprays, image) = model.look("silver_birch sprays");
+    assert_eq!(sprays.alpha_mode(), AlphaMode::Mask);
+    let color = linear(Species::named("silver_birch").unwrap().leaf_color);
+    let tinted = color * burgeon::shape::blade::BRIGHTEST;
+    assert!((mean(&image) / tinted - 1.0).abs().max_element() < 0.06, "{} {tinted}", mean(&image));
+    let mut again = Vec::new();
+    write_glb(birch(), settings, &mut again).unwrap();
+    assert_eq!(Model::read(&again).blob, model.blob, "the same input, the same model");
+}
+
+/// What scale a node has at a time, by the channel that moves it.
+fn scale_at(channel: &gltf::animation::Channel, blob: &[u8], time: f32) -> f32 {
+    let reader = channel.reader(|_| Some(blob));
+    let times: Vec<f32> = reader.read_inputs().unwrap().collect();
+    let gltf::animation::util::ReadOutputs::Scales(scales) = reader.read_outputs().unwrap() else {
+        panic!("not a scale")
+    };
+    let scales: Vec<[f32; 3]> = scales.collect();
+    assert_eq!(times.len(), scales.len());
+    assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
+    let key = times.iter().rposition(|at| *at <= time).unwrap_or(0);
+    assert!(scales[key].iter().all(|part| *part == scales[key][0]));
+    scales[key][0]
+}
+
+fn film(steps: u32) -> (GrowthFilm, Snapshot) {
+    let mut resolved = Library::embedded().alone("silver_birch").unwrap();
+    resolved.scenario.sensing.leaf_face = 4;
+    resolved.scenario.sensing.bud_face = 6;
+    let mut garden = common::garden(resolved, 1);
+    let mut film = GrowthFilm::default();
+    film.add(garden.snapshot());
+    for _ in 0..steps {
+        garden.step().unwrap();
+        film.add(garden.snapshot());
+    }
+    film.end(garden.snapshot());
+    (film, garden.snapshot())
+}
+
+#[test]
+fn a_film_of_growth_shows_one_step_at_a_time_and_ends_as_the_tree() {
+    let workers = Workers::new(1).unwrap();
+    let (film, tree) = film(9);
+    for triangles in [None, Some(5000)] {
+        let mut bytes = Vec::new();
+        film.write(triangles, &workers, &mut bytes).unwrap();
+        let model = Model::read(&bytes);
+        model.check();
+        let animations: Vec<_> = model.document.animations().collect();
+        assert_eq!(animations.len(), 1);
+        let channels: Vec<_> = animations[0].channels().collect();
+        let frames = model.document.nodes().count();
+        assert!(frames >= 9 && channels.len() == frames, "{frames}");
+        let targets: std::collections::HashSet<_> =
+            channels.iter().map(|c| c.target().node().index()).collect();
+        assert_eq!(targets.len(), frames, "one set of channels");
+        for channel in &channels {
+            assert_eq!(channel.target().property(), gltf::animation::Property::Scale);
+            assert_eq!(channel.sampler().interpolation(), gltf::animation::Interpolation::Step);
+        }
+        let end = channels
+            .iter()
+            .flat_map(|c| c.reader(|_| Some(&model.blob)).read_inputs().unwrap())
+            .fold(0.0, f32::max);
+        assert!(end > 2.0);
+        let mut heights = Vec::new();
+        for tick in 0..=100 {
+            let time = end * tick as f32 / 100.0;
+            let shown: Vec<_> = channels.iter().filter(|c| scale_at(c, &model.blob, time) == 1.0).collect();
+            assert!(shown.len() <= 1, "{} at {time}", shown.len());
+            heights.extend(shown.first().map(|c| model.node_bounds(&c.target().node()).1.y));
+        }
+        assert!(heights.len() > 80 && heights.windows(2).all(|pair| pair[1] >= pair[0] - 0.05));
+
+        let last: Vec<_> = channels.iter().filter(|c| scale_at(c, &model.blob, end) == 1.0).collect();
+        assert_eq!(last.len(), 1);
+        let resting: Vec<_> =
+            model.document.nodes().filter(|n| n.transform().decomposed().2 == [1.0; 3]).collect();
+        assert_eq!(resting.len(), 1, "a viewer that plays nothing shows the end");
+        assert_eq!(resting[0].index(), last[0].target().node().index());
+        let (low, high) = model.node_bounds(&resting[0]);
+        let whole = bounds(&Shape::full(&tree));
+        let off = ((high - low) / (whole.1 - whole.0) - 1.0).abs();
+        assert!(off.max_element() < if triangles.is_none() { 1e-4 } else { 0.03 }, "{off}");
+        if let Some(most) = triangles {
+            let count = |node: gltf::Node| -> usize {
+                node.mesh().unwrap().primitives().map(|p| p.indices().unwrap().count() / 3).sum()
+            };
+            assert!(model.document.nodes().all(|node| count(node) <= most));
+        }
+    }
+}
+
+#[test]
+fn a_film_too_large_is_refused() {
+    let tree = alone("oak", 11);
+    let mut film = GrowthFilm::default();
+    let whole: usize = Shape::full(&tree).iter().map(Shape::triangles).sum();
+    let frames = MOST_TRIANGLES / whole + 2;
+    assert!(frames <= 120, "more would be thinned out: {frames}");
+    for step in 0..frames as u32 {
+        film.add(Snapshot { step, ..tree.clone() });
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("growth.glb");
+    let error = film.save(Some(usize::MAX), &Workers::new(2).unwrap(), &path).unwrap_err();
+    assert!(
+        matches!(error, ExportError::TooDetailed { triangles, most: MOST_TRIANGLES, .. } if triangles > MOST_TRIANGLES)
+    );
+    assert!(error.to_string().contains("growth.glb") && !path.exists());
+}
+
+#[cfg(feature = "cli")]
+#[test]
+fn grow_writes_levels_and_a_film_and_overwrites_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let burgeon = |arguments: &str| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_burgeon"));
+        command.args(arguments.split_whitespace()).current_dir(folder.path()).output().unwrap()
+    };
+    let grow = "grow --species silver_birch --age 6 --out o --triangles 2000 --animate --wind";
+    let output = burgeon(grow);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let read = |name: &str| Model::read(&std::fs::read(folder.path().join("o").join(name)).unwrap());
+    for (name, most) in [("tree.glb", 2000), ("tree_1.glb", 500), ("tree_2.glb", 125)] {
+        let model = read(name);
+        let count =
+            |mesh: gltf::Mesh| -> usize { mesh.primitives().map(|p| p.indices().unwrap().count() / 3).sum() };
+        let triangles: usize = model.document.meshes().map(count).sum();
+        assert!(triangles <= most && triangles > most / 4, "{name} {triangles}");
+        assert!(model.colors("wood", 0).iter().any(|wind| wind.y > 0.9), "wind comes first");
+    }
+    assert_eq!(read("growth.glb").document.animations().count(), 1);
+    // Anything in the way stops the run before it grows.
+    for name in ["tree.glb", "tree_1.glb", "tree_2.glb", "growth.glb"] {
+        let other = folder.path().join(format!("only_{name}"));
+        std::fs::create_dir(&other).unwrap();
+        std::fs::write(other.join(name), "mine").unwrap();
+        let output = burgeon(&grow.replace("--out o", &format!("--out only_{name}")));
+        assert_eq!(output.status.code(), Some(1));
+        assert!(String::from_utf8_lossy(&output.stderr).contains("--force"));
+        assert_eq!(std::fs::read(other.join(name)).unwrap(), b"mine");
+        assert_eq!(std::fs::read_dir(&other).unwrap().count(), 1);
+    }
+    assert_eq!(burgeon("grow open --triangles 10 --out p").status.code(), Some(2));
+    assert_eq!(burgeon("grow open --seeds 1..2 --animate --out p").status.code(), Some(2));
+    assert!(!folder.path().join("p").exists());
 }

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use burgeon::export::harvest::{self, Harvest, export_all};
+use burgeon::export::gltf::{GlbSettings, GrowthFilm, Level, save_glb};
+use burgeon::export::harvest::{self, Harvest, export_with};
 use burgeon::export::mtg::save_mtg;
 use burgeon::export::obj::save_obj;
 use burgeon::export::picture::{Palette, PictureSettings};
@@ -18,6 +19,9 @@ use super::input::Input;
 use super::output::{Output, grouped, progress, say};
 use super::seeds::{self, SeedRange};
 use super::{Failure, output};
+
+/// Levels of detail beside tree.glb.
+const LEVELS: [&str; 2] = ["tree_1.glb", "tree_2.glb"];
 
 /// Grow a scenario and write what has grown.
 #[derive(Args, Debug, Default)]
@@ -36,6 +40,21 @@ pub struct Grow {
     /// second or fourth.
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
+
+    /// Write three levels of detail of the model: tree.glb with at most N triangles, tree_1.glb with a quarter of them,
+    /// tree_2.glb with a sixteenth.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1000..=100_000_000))]
+    triangles: Option<u32>,
+
+    /// Also write growth.glb: the tree as it grew, as one animation that any glTF viewer plays. All frames share half a
+    /// million triangles; with --triangles each has up to N, and all together up to four million.
+    #[arg(long)]
+    animate: bool,
+
+    /// Put the weights for wind into the first vertex colours of the model (COLOR_0: phase, sway, flutter), where game
+    /// engines look for them. Otherwise they are the second, since viewers tint the tree with the first.
+    #[arg(long)]
+    wind: bool,
 
     /// Also write tree.obj and tree.mtl.
     #[arg(long)]
@@ -58,7 +77,9 @@ pub struct Grow {
     resume: Option<PathBuf>,
 
     /// Grow one tree for each seed, such as 1..100, into one table seeds.csv with mean and spread.
-    #[arg(long, value_name = "FIRST..LAST", conflicts_with_all = ["seed", "timelapse", "frames", "save", "obj", "mtg"])]
+    #[arg(long, value_name = "FIRST..LAST", conflicts_with_all = [
+        "seed", "timelapse", "frames", "animate", "triangles", "wind", "save", "obj", "mtg",
+    ])]
     seeds: Option<SeedRange>,
 }
 
@@ -153,6 +174,12 @@ impl Grow {
         if self.timelapse {
             names.push("growth.gif");
         }
+        if self.animate {
+            names.push("growth.glb");
+        }
+        if self.triangles.is_some() {
+            names.extend(LEVELS);
+        }
         if self.obj {
             names.extend(["tree.obj", "tree.mtl"]);
         }
@@ -187,10 +214,13 @@ impl Grow {
         }
 
         let filmed = self.timelapse || self.frames.is_some();
-        let mut reel = Reel::default();
+        let (mut reel, mut film) = (Reel::default(), GrowthFilm::default());
         growing.grow(steps, |step, garden| {
             if filmed && reel.wants(step) {
                 reel.add(step, garden.scene());
+            }
+            if self.animate && film.wants(step) {
+                film.add(garden.snapshot());
             }
         });
 
@@ -202,8 +232,17 @@ impl Grow {
         };
         let workers = self.input.common.workers()?;
         let mut pictures = Vec::new();
-        let written = export_all(&harvest, folder.path(), &workers)?;
-        folder.written.extend(written);
+        let levels = self.triangles.map(|triangles| Level::three(triangles as usize));
+        let settings = GlbSettings { wind_first: self.wind, level: levels.map(|levels| levels[0]) };
+        folder.written.extend(export_with(&harvest, folder.path(), &workers, settings)?);
+        for (level, name) in levels.iter().flat_map(|levels| levels[1..].iter().zip(LEVELS)) {
+            let settings = GlbSettings { level: Some(*level), ..settings };
+            save_glb(&harvest.snapshot, settings, &folder.file(name))?;
+        }
+        if self.animate {
+            film.end(growing.garden.snapshot());
+            film.save(self.triangles.map(|n| n as usize), &workers, &folder.file("growth.glb"))?;
+        }
         if self.obj {
             save_obj(&harvest.snapshot, &folder.file("tree.obj"))?;
             folder.file("tree.mtl");

@@ -25,11 +25,22 @@ pub enum ExportError {
         /// What it would take.
         bytes: u64,
     },
+    /// More than viewers can hold at once.
+    #[error("cannot write{}: its frames have {triangles} triangles together, {most} at most; allow each frame fewer", .path.as_ref().map(|p| format!(" {}", p.display())).unwrap_or_default())]
+    TooDetailed {
+        /// The file, where there is one.
+        path: Option<PathBuf>,
+        /// What they have.
+        triangles: usize,
+        /// What they may have.
+        most: usize,
+    },
 }
 
 impl ExportError {
     fn at(mut self, to: &Path) -> Self {
-        let (Self::Write { path, .. } | Self::TooLarge { path, .. }) = &mut self;
+        let (Self::Write { path, .. } | Self::TooLarge { path, .. } | Self::TooDetailed { path, .. }) =
+            &mut self;
         path.get_or_insert_with(|| to.to_path_buf());
         self
     }

@@ -57,6 +57,19 @@ pub const FILES: [&str; 5] = ["run.ron", "steps.csv", "organs.csv", "tree.glb", 
 /// # Errors
 /// The first file that cannot be written; it and those after it are as they were.
 pub fn export_all(harvest: &Harvest, folder: &Path, workers: &Workers) -> Result<Vec<PathBuf>, HarvestError> {
+    export_with(harvest, folder, workers, GlbSettings::default())
+}
+
+/// As [`export_all`], with a model made as asked for.
+///
+/// # Errors
+/// As [`export_all`].
+pub fn export_with(
+    harvest: &Harvest,
+    folder: &Path,
+    workers: &Workers,
+    settings: GlbSettings,
+) -> Result<Vec<PathBuf>, HarvestError> {
     make_folder(folder)?;
     let paths = FILES.map(|name| folder.join(name));
     let [run, steps, organs, model, picture] = &paths;
@@ -64,7 +77,7 @@ pub fn export_all(harvest: &Harvest, folder: &Path, workers: &Workers) -> Result
         .map_err(|source| HarvestError::Write { path: run.clone(), source })?;
     save_steps(&harvest.records, steps)?;
     save_organs(&harvest.snapshot, organs)?;
-    save_glb(&harvest.snapshot, GlbSettings::default(), model)?;
+    save_glb(&harvest.snapshot, settings, model)?;
     save_picture(&harvest.scene, &Palette::of_snapshot(&harvest.snapshot), workers, picture)?;
     Ok(paths.into())
 }

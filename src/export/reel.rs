@@ -8,6 +8,7 @@ use image::RgbImage;
 use super::canvas::caption;
 use super::film::{FilmError, FilmSettings, save_gif, save_png};
 use super::picture::{Bounds, Camera, Palette, PictureSettings, render};
+use super::strip::Strip;
 use crate::environment::Scene;
 use crate::environment::trace::Tracer;
 use crate::environment::workers::Workers;
@@ -29,8 +30,6 @@ const VIEWS: [(f32, f32); 12] = [
 ];
 /// Points of the plants looked for from each of them.
 const LOOKED_FOR: usize = 200;
-/// Most frames of a film; a longer run leaves steps out.
-const FRAMES: usize = 120;
 /// Most pieces of wood and leaf kept for a film, about a gigabyte of them.
 const PIECES: usize = 16_000_000;
 
@@ -39,53 +38,42 @@ pub const FILM: PictureSettings = PictureSettings { width: 360, height: 405, sam
 
 /// Scenes of a film, as a run leaves them.
 #[derive(Debug, Clone, Default)]
-pub struct Reel {
-    frames: Vec<(u32, Scene)>,
-    /// Steps from frame to frame; 0 stands for 1.
-    stride: u32,
-}
+pub struct Reel(Strip<Scene>);
 
 impl Reel {
     /// Whether a step will be a frame.
     pub fn wants(&self, step: u32) -> bool {
-        step.is_multiple_of(self.stride.max(1))
+        self.0.wants(step)
     }
 
     /// Adds a step; when there are too many, every other one goes.
     pub fn add(&mut self, step: u32, scene: Scene) {
-        self.frames.push((step, scene));
-        let pieces: usize = self.frames.iter().map(|(_, s)| s.capsules.len() + s.leaves.len()).sum();
-        if self.frames.len() > FRAMES || (pieces > PIECES && self.frames.len() > 2) {
-            self.stride = self.stride.max(1) * 2;
-            self.frames.retain(|(step, _)| step.is_multiple_of(self.stride));
-        }
+        self.0.add(step, scene, PIECES, |scene| scene.capsules.len() + scene.leaves.len());
     }
 
     /// Adds the end of the run, if it is not there yet.
     pub fn end(&mut self, step: u32, scene: Scene) {
-        if self.frames.last().is_none_or(|(last, _)| *last != step) {
-            self.frames.push((step, scene));
-        }
+        self.0.end(step, scene);
     }
 
     /// Frames in it.
     pub fn len(&self) -> usize {
-        self.frames.len()
+        self.0.frames().len()
     }
 
     /// Whether there is nothing to show.
     pub fn is_empty(&self) -> bool {
-        self.frames.is_empty()
+        self.0.frames().is_empty()
     }
 
     /// Room for every frame.
     pub fn bounds(&self) -> Bounds {
-        self.frames.iter().fold(Bounds::default(), |all, (_, scene)| all.union(&Bounds::of(scene)))
+        self.0.frames().iter().fold(Bounds::default(), |all, (_, scene)| all.union(&Bounds::of(scene)))
     }
 
     /// The last scene.
     pub fn last(&self) -> Option<&Scene> {
-        self.frames.last().map(|(_, scene)| scene)
+        self.0.frames().last().map(|(_, scene)| scene)
     }
 
     /// Draws the frames, or only the last; `drawn` is called after each.
@@ -98,14 +86,14 @@ impl Reel {
         workers: &Workers,
         mut drawn: impl FnMut(),
     ) -> Vec<RgbImage> {
-        let first = if last_only { self.frames.len().saturating_sub(1) } else { 0 };
+        let first = if last_only { self.0.frames().len().saturating_sub(1) } else { 0 };
         let frame = |(step, scene): &(u32, Scene)| {
             let mut image = render(&Tracer::build(scene), camera, palette, settings, workers);
             caption(&mut image, &format!("step {step}"), 1);
             drawn();
             image
         };
-        self.frames[first..].iter().map(frame).collect()
+        self.0.frames()[first..].iter().map(frame).collect()
     }
 
     /// Draws and writes the film; `drawn` is called after each frame.
@@ -142,7 +130,7 @@ impl Reel {
             drawn();
             Ok(path)
         };
-        self.frames.iter().map(write).collect()
+        self.0.frames().iter().map(write).collect()
     }
 
     /// One stand for the whole film.

@@ -39,7 +39,7 @@ pub fn leaves(snapshot: &Snapshot) -> Vec<Surface> {
 }
 
 /// Turns the normals of the leaves of every plant outward from its crown.
-pub(super) fn round_normals(surfaces: &mut [Surface], crowns: &[Crown]) {
+pub(crate) fn round_normals(surfaces: &mut [Surface], crowns: &[Crown]) {
     for (surface, crown) in surfaces.iter_mut().zip(crowns) {
         for (normal, position) in surface.normals.iter_mut().zip(&surface.positions) {
             *normal = crown.round((*position).into(), (*normal).into()).into();

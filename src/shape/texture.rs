@@ -92,7 +92,8 @@ impl Grain for TileGrain {
         let bend = 0.06 * (periodic(self.0, self.1, [7, 5], 21) - 0.5);
         let large = periodic(self.0 + bend, self.1 + bend, [6, 3], 22);
         let small = periodic(self.0 - bend, self.1 + bend, [13, 7], 23);
-        0.7 * large + 0.3 * small
+        // Cracks run where the noise crosses its middle, all around each plate.
+        (2.0 * (2.0 * (0.8 * large + 0.2 * small) - 1.0).abs()).min(1.0)
     }
 
     fn streak(&self) -> f32 {

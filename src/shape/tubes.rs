@@ -83,14 +83,14 @@ fn internode_below(snapshot: &Snapshot, i: u32) -> Option<&Internode> {
 
 /// A cross-section of a tube.
 #[derive(Debug, Clone, Copy)]
-struct Ring {
-    center: Vec3,
-    direction: Vec3,
-    radius: f32,
+pub(super) struct Ring {
+    pub(super) center: Vec3,
+    pub(super) direction: Vec3,
+    pub(super) radius: f32,
     /// Distance from the base of the axis, metres.
-    along: f32,
+    pub(super) along: f32,
     /// What it belongs to.
-    place: Place,
+    pub(super) place: Place,
 }
 
 /// The wood of every plant, by its index in [`Snapshot::plants`]; a gone plant's is empty.
@@ -114,7 +114,7 @@ pub fn wood(snapshot: &Snapshot) -> Vec<Surface> {
 }
 
 /// One ring at the base of the axis and one at the tip of each of its internodes.
-fn lay_rings(snapshot: &Snapshot, axes: &Axes, start: u32, rings: &mut Vec<Ring>) {
+pub(super) fn lay_rings(snapshot: &Snapshot, axes: &Axes, start: u32, rings: &mut Vec<Ring>) {
     rings.clear();
     let mut along = 0.0;
     let mut last = start;
@@ -151,14 +151,19 @@ fn lay_rings(snapshot: &Snapshot, axes: &Axes, start: u32, rings: &mut Vec<Ring>
 }
 
 /// Sides of a tube of this radius.
-fn sides(radius: f32) -> u32 {
+pub(super) fn sides(radius: f32) -> u32 {
     let [least, most] = SIDES;
     let wanted = (radius / ROUND_RADIUS).max(0.0).sqrt() * most as f32;
     (wanted.ceil() as u32).clamp(least, most)
 }
 
+/// Triangles of a tube.
+pub(super) fn tube_triangles(rings: usize, sides: u32) -> usize {
+    sides as usize * (2 * rings.saturating_sub(1) + 1)
+}
+
 /// Adds the surface through the rings with that many sides, 3 to 12, closed at its tip.
-fn skin(surface: &mut Surface, rings: &[Ring], sides: u32) {
+pub(super) fn skin(surface: &mut Surface, rings: &[Ring], sides: u32) {
     let (Some(&base), Some(&tip)) = (rings.first(), rings.last()) else { return };
     let around = core::f32::consts::TAU * base.radius;
     let tiles = (around / BARK_TILE).round().max(1.0);
@@ -247,7 +252,7 @@ mod tests {
             12,
         );
         assert_eq!(surface.positions.len(), 3 * 13 + 1);
-        assert_eq!(surface.triangles(), 12 * 5);
+        assert_eq!(surface.triangles(), tube_triangles(3, 12));
         for t in surface.indices.chunks(3) {
             let [a, b, c] = [t[0], t[1], t[2]].map(|i| Vec3::from(surface.positions[i as usize]));
             let middle = (a + b + c) / 3.0;

@@ -23,6 +23,8 @@ use crate::species::Species;
 pub(super) enum Part {
     Bark,
     Leaves,
+    /// Leaves as cards of many.
+    Sprays,
 }
 
 /// A material made already, and what for.
@@ -63,13 +65,18 @@ impl Model {
                     ..material(format!("{name} bark"), color, 0.9)
                 }
             }
-            Part::Leaves => {
-                let color = self.texture(format!("{name} leaf"), &texture::leaf(species, tinted), srgb)?;
+            Part::Leaves | Part::Sprays => {
+                let (what, texture) = match part {
+                    Part::Sprays => ("spray", texture::spray(species, tinted)),
+                    _ => ("leaf", texture::leaf(species, tinted)),
+                };
+                let color = self.texture(format!("{name} {what}"), &texture, srgb)?;
+                let leaves = if part == Part::Sprays { "sprays" } else { "leaves" };
                 Material {
                     alpha_mode: Valid(AlphaMode::Mask),
                     alpha_cutoff: Some(AlphaCutoff(0.5)),
                     double_sided: true,
-                    ..material(format!("{name} leaves"), color, 0.6)
+                    ..material(format!("{name} {leaves}"), color, 0.6)
                 }
             }
         };

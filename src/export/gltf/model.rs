@@ -14,6 +14,7 @@ use gltf_json::{Asset, Index, Material, Node, Root, Scene};
 use super::materials::Made;
 use crate::export::ExportError;
 use crate::shape::Surface;
+use crate::shape::tangents::tangents;
 
 /// Sets of vertex colours, parts 0..1, first `COLOR_0`.
 pub(super) type Colors<'a> = [&'a [[f32; 3]]];
@@ -37,7 +38,7 @@ impl Model {
     ) -> Result<Primitive, ExportError> {
         let vertices = surface.positions.len();
         let short = vertices <= usize::from(u16::MAX);
-        let needs = vertices * (32 + 4 * colors.len()) + surface.indices.len() * if short { 2 } else { 4 };
+        let needs = vertices * (48 + 4 * colors.len()) + surface.indices.len() * if short { 2 } else { 4 };
         self.has_room(needs)?;
 
         let positions = surface.positions.iter().map(|&p| (Vec3::from(p) - origin).to_array());
@@ -51,11 +52,17 @@ impl Model {
         let array = Some(Target::ArrayBuffer);
         let normals = self.floats(surface.normals.iter().copied(), Type::Vec3, array);
         let uvs = self.floats(surface.uvs.iter().copied(), Type::Vec2, array);
+        let relief = self.root.get(material).is_some_and(|material| material.normal_texture.is_some());
         let mut attributes = BTreeMap::from([
             (Valid(Semantic::Positions), positions),
             (Valid(Semantic::Normals), normals),
             (Valid(Semantic::TexCoords(0)), uvs),
         ]);
+        if relief {
+            let tangents = tangents(surface);
+            let tangents = self.floats(tangents.into_iter(), Type::Vec4, array);
+            attributes.insert(Valid(Semantic::Tangents), tangents);
+        }
         for (set, colors) in (0..).zip(colors) {
             let byte = |part: f32| (part.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
             let bytes = colors.iter().flat_map(|[r, g, b]| [byte(*r), byte(*g), byte(*b), 255]);
