@@ -19,6 +19,8 @@ pub enum Purpose {
     Steering = 4,
     /// Crookedness of a new shoot.
     Wander = 5,
+    /// Whether a bare node opens a new bud, and where.
+    Sprouting = 6,
 }
 
 /// Finaliser of splitmix64: spreads every input bit over the output.

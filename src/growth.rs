@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Germinate  open new seeds · look around once
-//! Generate   wake lateral buds · extend shoots (steered) · form nodes · unfold leaves · thicken and bend wood
+//! Generate   sprout · wake lateral buds · extend shoots (steered) · form nodes · unfold leaves · thicken and bend wood
 //! Update     photosynthesise · pay upkeep · shed liabilities · share surplus
 //! Sense      gather scene and probes · look around · choose growth targets
 //! Finish     close the books · count the step
@@ -23,6 +23,7 @@ pub mod sag;
 pub mod sensing;
 pub mod share;
 pub mod shoots;
+pub mod sprouts;
 pub mod vigour;
 pub mod wood;
 
@@ -105,6 +106,7 @@ fn growth_step() -> Schedule {
             .chain()
             .in_set(Stage::Germinate),
         (
+            sprouts::sprout,
             buds::wake_lateral_buds,
             shoots::extend_shoots,
             nodes::form_nodes,

@@ -199,6 +199,8 @@ parameters! {
         seedling_vigour: f32 = 0.0, "internodes", Range::real(0.0, 1000.0);
         /// How long a plant counts as a seedling.
         seedling_steps: u32 = 0, "steps", Range::whole(0, 10_000);
+        /// Share of the energy that living buds leave which opens new ones on bare old wood; 0: cut back, it stays bare.
+        sprouting: f32 = 0.0, "1/step", Range::real(0.0, 1.0);
         /// Income per living node below which a side axis is poor.
         prune_income: f32 = 0.0, "energy/step", Range::real(0.0, 1000.0);
         /// Steps a side axis may be poor before it is shed; 0: never shed.

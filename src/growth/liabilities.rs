@@ -107,6 +107,26 @@ pub fn to_shed(accounts: &[Account], sums: &[Branch], mine: &[usize], deficit: f
     shed
 }
 
+/// Most of its income that a plant gives up with poor side axes in one step: when all its crown is poor it thins,
+/// the poorest first, and what stays has more light.
+pub const MOST_GIVEN_UP: f64 = 0.05;
+
+/// Which of a plant's poor side axes go in this step: the poorest first, ties by birth, as long as all of them
+/// together earn no more than [`MOST_GIVEN_UP`] of `income`.
+pub fn given_up(sums: &[Branch], mut poor: Vec<usize>, income: f64) -> Vec<usize> {
+    let each = |i: usize| sums[i].income / f64::from(sums[i].internodes.max(1));
+    poor.sort_by(|&a, &b| each(a).total_cmp(&each(b)).then(a.cmp(&b)));
+    let mut left = MOST_GIVEN_UP * income;
+    poor.retain(|&i| {
+        let goes = sums[i].income <= left;
+        if goes {
+            left -= sums[i].income;
+        }
+        goes
+    });
+    poor
+}
+
 /// Condemns liabilities while upkeep is unpaid, side axes that have been poor for too long, and buds out of
 /// patience.
 #[allow(clippy::type_complexity, clippy::too_many_arguments, reason = "a system names what it reads")]
@@ -160,14 +180,18 @@ pub fn shed_liabilities(
             }
         }
         if species.prune_patience > 0 {
+            let mut out_of_patience = Vec::new();
             for &i in mine.iter().filter(|&&i| accounts[i].begins_axis) {
                 let Ok((span, mut base)) = stems.get_mut(roster.entity[i]) else { continue };
                 let young = step.0 - span.born() < 2;
                 let poor = sums[i].income < f64::from(species.prune_income) * f64::from(sums[i].internodes);
                 base.poor_steps = if poor && !young { base.poor_steps + 1 } else { 0 };
                 if base.poor_steps > species.prune_patience {
-                    condemned.0.push((roster.birth[i], Cause::SelfPruned));
+                    out_of_patience.push(i);
                 }
+            }
+            for i in given_up(&sums, out_of_patience, ledger.income) {
+                condemned.0.push((roster.birth[i], Cause::SelfPruned));
             }
         }
         if species.patience_steps > 0 {

@@ -177,7 +177,7 @@ mod tests {
             let mut frame = Quat::from_rotation_z(-SMALL);
             for (n, expected) in told.iter().enumerate() {
                 let heading = frame * Vec3::Y;
-                let error = heading.x.atan2(heading.y) / SMALL;
+                let error = bevy::math::ops::atan2(heading.x, heading.y) / SMALL;
                 assert!(
                     (error - expected).abs() < 2e-3 * (1.0 + expected.abs()),
                     "{control:?} at {n}: {error}"

@@ -10,7 +10,7 @@ use burgeon::assets::Library;
 use burgeon::environment::SolidShape;
 use burgeon::files::ResolvedScenario;
 use burgeon::plant::Snapshot;
-use burgeon::scenario::{PlacedSolid, Scenario};
+use burgeon::scenario::{Edit, PlacedSolid, Scenario, TimedEdit};
 use burgeon::species::Allocation;
 use common::check::check_solids;
 use common::{garden, over_seeds};
@@ -81,4 +81,49 @@ fn planted(name: &str, places: impl IntoIterator<Item = Vec3>) -> Scenario {
         .map(|(seed, at)| burgeon::scenario::Planting { at, seed: seed as u64, ..first.clone() })
         .collect();
     scenario
+}
+
+/// Leaves of a plant after each step.
+fn leaves_by_step(resolved: ResolvedScenario, seed: u64, steps: u32) -> Vec<usize> {
+    let mut garden = garden(resolved, seed);
+    (0..steps).map(|_| garden.step().unwrap().form.leaves as usize).collect()
+}
+
+#[test]
+fn a_poor_old_oak_thins_its_crown_and_never_drops_it() {
+    let crowns = over_seeds(1..5, |seed| {
+        let mut resolved = alone("oak");
+        resolved.scenario.sensing.leaf_face = 2;
+        resolved.scenario.sensing.bud_face = 4;
+        resolved.species.get_mut("oak").unwrap().leaf_income = 2.5;
+        leaves_by_step(resolved, seed, 55)
+    });
+    for leaves in crowns {
+        println!("{leaves:?}");
+        for (year, pair) in leaves.windows(2).enumerate().skip(15) {
+            assert!(2 * pair[1] > pair[0], "year {}: {} leaves after {}", year + 2, pair[1], pair[0]);
+        }
+        assert!(leaves[54] > 500, "it lives and grows: {} leaves", leaves[54]);
+    }
+}
+
+#[test]
+fn broadleaved_stumps_sprout() {
+    for name in ["oak", "weeping_willow"] {
+        let regrown = |sprouting: Option<f32>| {
+            let mut resolved = alone(name);
+            let species = resolved.species.get_mut(name).unwrap();
+            species.sprouting = sprouting.unwrap_or(species.sprouting);
+            let stump = TimedEdit { step: 14, edit: Edit::Top { plant: 0, above: 0.25 } };
+            resolved.scenario.edits = vec![stump];
+            over_seeds(1..5, |seed| {
+                let leaves = leaves_by_step(resolved.clone(), seed, 19);
+                leaves[18]
+            })
+        };
+        let (stump, bare) = (regrown(None), regrown(Some(0.0)));
+        println!("{name}: five years after the cut {stump:?} leaves, without sprouting {bare:?}");
+        assert!(stump.iter().all(|leaves| *leaves > 20), "{name}: {stump:?}");
+        assert!(bare.contains(&0), "{name}: no stump was without living buds, so nothing is shown: {bare:?}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A trunk, and a side axis of two internodes with one leaf that earns `income` a step.
+/// A trunk, and a side axis of two internodes with one leaf that earns `income` a step; the whole plant earns 100.
 fn trunk_with_branch(species: Species, income: f32) -> (Nursery, Entity) {
     let mut nursery = Nursery::new(species);
     let trunk = nursery.stem(None, 0.2);
@@ -11,6 +11,7 @@ fn trunk_with_branch(species: Species, income: f32) -> (Nursery, Entity) {
     let leaf = nursery.leaf(end, 1.0, 1.0);
     nursery.set(leaf, EnergyFlow { income, upkeep: 0.0 });
     nursery.app.insert_resource(StepCount(5));
+    nursery.set(nursery.plant, EnergyLedger { income: 100.0, ..default() });
     (nursery, base)
 }
 
@@ -104,4 +105,62 @@ fn form_nodes_spares_a_seedling_and_the_middle_of_a_growth_unit() {
         assert!(nursery.condemned().is_empty());
         assert_eq!(nursery.all(OrganKind::ApicalBud), [bud]);
     }
+}
+
+#[test]
+fn a_plant_gives_up_a_twentieth_of_its_income_a_step_with_its_poor_axes_and_no_more() {
+    let species = Species { prune_income: 5.0, prune_patience: 1, ..lam_king() };
+    let mut nursery = Nursery::new(species);
+    let trunk = nursery.stem(None, 0.2);
+    let bases = [2.0, 1.0, 4.0, 3.0].map(|income| {
+        let base = nursery.turned_stem(Some(trunk), 0.2, Quat::from_rotation_x(0.9));
+        let leaf = nursery.leaf(base, 1.0, 1.0);
+        nursery.set(leaf, EnergyFlow { income, upkeep: 0.0 });
+        base
+    });
+    nursery.app.insert_resource(StepCount(5));
+    nursery.set(nursery.plant, EnergyLedger { income: 100.0, ..default() });
+    nursery.run(liabilities::shed_liabilities);
+    nursery.run(liabilities::shed_liabilities);
+    let gone: Vec<u32> = nursery.condemned().iter().map(|(birth, _)| *birth).collect();
+    assert_eq!(
+        gone,
+        [nursery.birth(bases[1]), nursery.birth(bases[0])],
+        "the poorest, as far as they earn 5 of 100"
+    );
+}
+
+/// A cut-back trunk of bare nodes with energy in store: how many buds open on it.
+fn sprouted(species: Species, stored: f64) -> Vec<u32> {
+    let mut nursery = Nursery::new(species).store(stored);
+    let mut below = None;
+    for _ in 0..50 {
+        below = Some(nursery.stem(below, 0.2));
+    }
+    nursery.run(sprouts::sprout);
+    nursery.run(generation::derive_poses);
+    nursery.all(OrganKind::LateralBud).iter().map(|bud| nursery.get::<BranchOrder>(*bud).0).collect()
+}
+
+#[test]
+fn sprout_opens_buds_on_bare_wood_by_what_is_put_by() {
+    let species = Species { sprouting: 0.5, ..lam_king() };
+    let shoot =
+        f64::from(burgeon::growth::vigour::internode_cost(&species) * species.flush_internodes.get(0));
+    let buds = sprouted(species.clone(), 20.0 * shoot);
+    assert!((4..=28).contains(&buds.len()), "about ten of {} open", buds.len());
+    assert!(buds.iter().all(|order| *order == 1), "they begin side axes");
+    assert_eq!(buds, sprouted(species.clone(), 20.0 * shoot), "the same ones each time");
+    assert!(sprouted(species.clone(), 0.0).is_empty());
+    assert!(sprouted(Species { sprouting: 0.0, ..species }, 20.0 * shoot).is_empty());
+}
+
+#[test]
+fn sprout_leaves_a_plant_alone_whose_buds_hold_what_it_has() {
+    let mut nursery = Nursery::new(Species { sprouting: 1.0, ..lam_king() }).store(50.0);
+    let trunk = nursery.stem(None, 0.2);
+    let trunk = nursery.stem(Some(trunk), 0.2);
+    nursery.apical_bud(Some(trunk), 1.0, 50.0);
+    nursery.run(sprouts::sprout);
+    assert!(nursery.all(OrganKind::LateralBud).is_empty());
 }

@@ -12,7 +12,7 @@ use burgeon::growth::generation::{BudBroke, Condemned, derive_poses, germinate, 
 use burgeon::growth::nodes::{FreshNode, FreshNodes, form_nodes, unfold_leaves};
 use burgeon::growth::sensing::{SensingJob, choose_growth_targets, gather_probes, render_cube_maps};
 use burgeon::growth::{
-    Mechanisms, Stage, StepCount, buds, energy, finish, generation, liabilities, share, shoots, wood,
+    Mechanisms, Stage, StepCount, buds, energy, finish, generation, liabilities, share, shoots, sprouts, wood,
 };
 use burgeon::plant::{
     Allotment, ApicalBud, BranchOrder, Cause, EnergyFlow, EnergyLedger, EnergyStore, Exposure, Fallen,
