@@ -8,7 +8,8 @@
 //! Finish     close the books · count the step
 //! ```
 //!
-//! [`grow`] runs [`GrowthStep`] as often as asked; it is not `FixedUpdate`, and no host ever catches up.
+//! [`grow`] runs [`GrowthStep`] as often as asked; it is not `FixedUpdate`, and no host ever catches up. A host that
+//! draws frames grows a step [in parts](parts).
 
 mod birth;
 pub mod buds;
@@ -19,6 +20,7 @@ pub mod forecast;
 pub mod generation;
 pub mod liabilities;
 pub mod nodes;
+pub mod parts;
 pub mod sag;
 pub mod sensing;
 pub mod share;
@@ -27,7 +29,7 @@ pub mod sprouts;
 pub mod vigour;
 pub mod wood;
 
-use bevy::ecs::schedule::{ScheduleLabel, SingleThreadedExecutor};
+use bevy::ecs::schedule::ScheduleLabel;
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -84,12 +86,23 @@ impl Plugin for GrowthPlugin {
         app.init_resource::<StepCount>()
             .init_resource::<Mechanisms>()
             .init_resource::<StageTimes>()
+            .init_resource::<parts::StepParts>()
             .init_resource::<nodes::FreshNodes>()
             .init_resource::<generation::Condemned>()
             .init_resource::<sensing::SensingJob>()
             .init_resource::<sensing::ProbeCount>()
             .init_resource::<crate::limits::GrowthLimits>()
             .init_resource::<Messages<generation::BudBroke>>()
+            .register_type::<StepCount>()
+            .register_type::<Mechanisms>()
+            .register_type::<StageTimes>()
+            .register_type::<parts::StepParts>()
+            .register_type::<nodes::FreshNodes>()
+            .register_type::<generation::Condemned>()
+            .register_type::<sensing::SensingJob>()
+            .register_type::<sensing::ProbeCount>()
+            .register_type::<crate::limits::GrowthLimits>()
+            .register_type::<Messages<generation::BudBroke>>()
             .add_schedule(growth_step());
     }
 }
@@ -97,12 +110,16 @@ impl Plugin for GrowthPlugin {
 /// The growth step, stage by stage.
 fn growth_step() -> Schedule {
     let mut step = Schedule::new(GrowthStep);
-    step.set_executor(SingleThreadedExecutor::new());
+    step.set_executor(parts::InParts::default()).add_build_pass(parts::TakeTurns::default());
     step.configure_sets(
         (Stage::Germinate, Stage::Generate, Stage::Update, Stage::Sense, Stage::Finish).chain(),
     );
     step.add_systems((
-        (generation::open_books, generation::germinate, look_around.run_if(generation::any_germinated))
+        (
+            generation::open_books,
+            generation::germinate,
+            (parts::begin_to_look, parts::end_looking).chain().run_if(generation::any_germinated),
+        )
             .chain()
             .in_set(Stage::Germinate),
         (
@@ -129,13 +146,15 @@ fn growth_step() -> Schedule {
         )
             .chain()
             .in_set(Stage::Update),
-        (look_around, time_stage::<{ Stage::Sense as usize }>).chain().in_set(Stage::Sense),
+        (parts::begin_to_look, parts::end_looking, time_stage::<{ Stage::Sense as usize }>)
+            .chain()
+            .in_set(Stage::Sense),
         (finish::close_books, finish::count_step).chain().in_set(Stage::Finish),
     ));
     step
 }
 
-/// The three parts of sensing; a live host may run the middle one on another thread.
+/// The three parts of sensing, at once.
 pub(crate) fn look_around(world: &mut World) {
     sensing::gather_probes(world);
     sensing::render_cube_maps(world);
@@ -144,8 +163,10 @@ pub(crate) fn look_around(world: &mut World) {
 
 /// Grows everything planted in the world by a number of steps.
 ///
-/// The world needs [`BurgeonPlugins`](crate::BurgeonPlugins).
+/// The world needs [`BurgeonPlugins`](crate::BurgeonPlugins). A step [grown in parts](parts::grow_in_parts) that is
+/// under way comes to its end first; it is not counted.
 pub fn grow(world: &mut World, steps: u32) {
+    parts::finish_step(world);
     for _ in 0..steps {
         world.run_schedule(GrowthStep);
     }

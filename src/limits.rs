@@ -1,9 +1,13 @@
 //! Limits on what files may hold and a run may take.
 //!
 //! What a run takes is a resource, [`GrowthLimits`]: reaching one stops a [`Garden`](crate::scenario::Garden) with a
-//! message and keeps the result so far.
+//! message and keeps the result so far, and so do plants that grow live.
 
 use bevy::prelude::*;
+
+use crate::growth::sensing::ProbeCount;
+use crate::growth::{StepCount, forecast};
+use crate::plant::Roster;
 
 /// What a growing garden may take, a resource. [`Garden`](crate::scenario::Garden) looks before each step.
 #[derive(Resource, Debug, Clone, Copy, PartialEq, Eq, Reflect)]
@@ -23,6 +27,38 @@ impl Default for GrowthLimits {
     fn default() -> Self {
         Self { organs: ORGANS, probes: PROBES, steps: STEPS as usize, memory: MEMORY }
     }
+}
+
+/// A limit that growth has come to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("stopped at step {step}: {reached} {what} reach the limit of {limit}")]
+pub struct LimitReached {
+    /// Steps grown.
+    pub step: u32,
+    /// What there is too much of.
+    pub what: &'static str,
+    /// How much there is.
+    pub reached: usize,
+    /// How much there may be.
+    pub limit: usize,
+}
+
+/// The limit of a world's [`GrowthLimits`] that its next step might pass, if there is one: a step is not begun that
+/// might not be ended.
+pub fn limit_reached(world: &World) -> Option<LimitReached> {
+    let most = world.get_resource::<GrowthLimits>().copied().unwrap_or_default();
+    let step = world.get_resource::<StepCount>().map_or(0, |steps| steps.0);
+    let probes = world.get_resource::<ProbeCount>().map_or(0, |probes| probes.0);
+    let organs =
+        world.get_resource::<Roster>().map_or(0, Roster::len).saturating_add(forecast::next_step(world));
+    let taken = [
+        ("probes in one step", probes, most.probes),
+        ("steps", step as usize, most.steps),
+        ("organs after the next step", organs, most.organs),
+        ("bytes of memory after the next step", organs.saturating_mul(ORGAN_BYTES), most.memory),
+    ];
+    let (what, reached, limit) = taken.into_iter().find(|(_, reached, limit)| reached >= limit)?;
+    Some(LimitReached { step, what, reached, limit })
 }
 
 /// Memory an organ takes while it grows, bytes: about 900 for its entity and snapshots, the rest for what it looks at

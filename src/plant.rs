@@ -40,7 +40,6 @@ use crate::species::Species;
 #[component(on_add = shed::plant_added, on_remove = shed::plant_removed)]
 pub struct Plant {
     /// The kind of plant it is.
-    #[reflect(ignore)]
     pub species: Arc<Species>,
     /// Seed of every random draw it makes.
     pub seed: u64,
@@ -62,6 +61,10 @@ impl Plugin for PlantPlugin {
             .init_resource::<Fallen>()
             .init_resource::<Messages<OrganShed>>()
             .register_type::<Plant>()
+            .register_type::<Species>()
+            .register_type::<Roster>()
+            .register_type::<Fallen>()
+            .register_type::<Messages<OrganShed>>()
             .register_type::<EnergyStore>()
             .register_type::<EnergyLedger>()
             .register_type::<Identity>()
@@ -77,6 +80,8 @@ impl Plugin for PlantPlugin {
             .register_type::<Allotment>()
             .register_type::<EnergyFlow>()
             .register_type::<GrowthTarget>()
+            .register_type::<crate::tropism::Steering>()
+            .register_type::<crate::tropism::Signals>()
             .register_type::<BranchOrder>()
             .register_type::<Attachment>()
             .register_type::<Pose>();

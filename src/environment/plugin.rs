@@ -29,6 +29,10 @@ impl Plugin for EnvironmentPlugin {
             .init_resource::<Ground>()
             .init_resource::<Sensing>()
             .init_resource::<Workers>()
+            .register_type::<Sky>()
+            .register_type::<Ground>()
+            .register_type::<Sensing>()
+            .register_type::<Workers>()
             .register_type::<Solid>()
             .register_type::<Lamp>()
             .register_type::<Sun>();

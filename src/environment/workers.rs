@@ -30,9 +30,11 @@ pub enum WorkersError {
 
 /// The threads that sense, a resource. The global pools cannot be resized; this one is replaced.
 /// A clone works with the same threads.
-#[derive(Resource, Debug, Clone)]
+#[derive(Resource, Debug, Clone, Reflect)]
+#[reflect(Resource, Default)]
 pub struct Workers {
     /// None: the calling thread does the work.
+    #[reflect(ignore)]
     pool: Option<Arc<ThreadPool>>,
 }
 

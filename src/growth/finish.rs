@@ -1,6 +1,6 @@
 //! The end of a step: books closed, step counted, measures taken.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 
@@ -8,24 +8,48 @@ use super::StepCount;
 use crate::plant::{Allotment, EnergyLedger, EnergyStore, OrganKind, Roster};
 
 /// Seconds each stage of the last step took. Growth never reads it.
-#[derive(Resource, Debug, Default, Clone)]
+///
+/// Of a step grown in parts, what other threads took counts, and what the host did between the parts does not.
+#[derive(Resource, Debug, Default, Clone, Reflect)]
+#[reflect(Resource, Default)]
 pub struct StageTimes {
     /// Generate, update, sense, finish; germination counts as generation.
     pub seconds: [f64; 4],
+    /// The stage that runs.
+    #[reflect(ignore)]
+    stage: usize,
+    /// Since when; `None` while the host does something else.
+    #[reflect(ignore)]
     last: Option<Instant>,
 }
 
 impl StageTimes {
     pub(crate) fn start(&mut self) {
-        self.seconds = [0.0; 4];
-        self.last = Some(Instant::now());
+        *self = Self { last: Some(Instant::now()), ..default() };
     }
 
     fn lap(&mut self, stage: usize) {
-        let now = Instant::now();
-        if let Some(last) = self.last.replace(now) {
-            self.seconds[stage] += (now - last).as_secs_f64();
+        self.stage = stage;
+        self.pause();
+        self.stage = stage + 1;
+        self.go_on();
+    }
+
+    /// The step is left off.
+    pub(super) fn pause(&mut self) {
+        if let Some(last) = self.last.take() {
+            self.add(last.elapsed());
         }
+    }
+
+    /// It goes on.
+    pub(super) fn go_on(&mut self) {
+        self.last = Some(Instant::now());
+    }
+
+    /// Other threads took this long for the stage that runs.
+    pub(super) fn add(&mut self, took: Duration) {
+        self.seconds[self.stage.min(3)] += took.as_secs_f64();
     }
 }
 

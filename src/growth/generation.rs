@@ -24,7 +24,8 @@ pub struct BudBroke {
 }
 
 /// Organs to be shed, with what they bear, at the end of the stage, by birth number.
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Debug, Default, Reflect)]
+#[reflect(Resource, Default)]
 pub struct Condemned(pub Vec<(u32, Cause)>);
 
 /// Sheds what the stage condemned.

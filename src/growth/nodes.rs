@@ -15,7 +15,7 @@ use crate::species::{Allocation, Species};
 use crate::tropism::Steering;
 
 /// A node formed in this step, whose organs are still to come.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Reflect)]
 pub struct FreshNode {
     /// The internode that ends in it.
     pub internode: Entity,
@@ -36,7 +36,8 @@ pub struct FreshNode {
 }
 
 /// The nodes formed in this step, a resource.
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Debug, Default, Reflect)]
+#[reflect(Resource, Default)]
 pub struct FreshNodes(pub Vec<FreshNode>);
 
 /// An organ a node bears: its kind and its turn relative to the stem.

@@ -1,8 +1,8 @@
 //! Looking around: every bud and leaf finds its light and space, every bud that will grow its target (`LK-13` to
 //! `LK-15`).
 //!
-//! [`render_cube_maps`] is a pure function of the job that [`gather_probes`] left, so a live host may run it on
-//! another thread between two steps with the same result.
+//! [`SensingJob::look`] is a pure function of what a [`Survey`] took from the world, so a step
+//! [in parts](super::parts) has other threads do it, with the same result.
 
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
@@ -20,16 +20,20 @@ use crate::plant::{Exposure, GrowthTarget, NO_PARENT, OrganKind, OrganState, Sna
 use crate::species::{Allocation, Species};
 
 /// What there is to look at, from where, and what was seen: plain data.
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Debug, Default, Reflect)]
+#[reflect(Resource, Default)]
 pub struct SensingJob {
     /// What can be seen.
+    #[reflect(ignore)]
     pub scene: Scene,
     /// From where they look.
+    #[reflect(ignore)]
     pub requests: Vec<SenseRequest>,
     /// The entities that look, and others that read what the same index finds: buds asleep in the axil of a
     /// leaf take their light from it.
     pub lookers: Vec<(Entity, usize)>,
     /// What each found; filled by [`render_cube_maps`].
+    #[reflect(ignore)]
     pub found: Vec<Sensed>,
     /// How they look.
     pub settings: Sensing,
@@ -42,69 +46,113 @@ pub struct SensingJob {
 #[reflect(Resource)]
 pub struct ProbeCount(pub usize);
 
-/// Gathers scene and probes.
-pub fn gather_probes(world: &mut World) {
-    let shot = Snapshot::take(world);
-    let mut scene = standing_scene(world);
-    gather::add_plants(&mut scene, &shot);
-    let mechanisms = *world.resource::<Mechanisms>();
-    let settings = *world.resource::<Sensing>();
-    let roster = world.resource::<crate::plant::Roster>();
-    let mut requests = Vec::new();
-    let mut lookers = Vec::new();
-    // From where organs of a cell look: its first.
-    let mut lookouts: HashMap<(u32, IVec3), usize> = HashMap::new();
-    if mechanisms.light || mechanisms.space {
-        let leaves = axillant_leaves(&shot);
+/// What sensing reads of a world: plain data.
+#[derive(Debug)]
+pub struct Survey {
+    shot: Snapshot,
+    /// The organs of the snapshot.
+    entities: Vec<Entity>,
+    /// What stands there but plants.
+    standing: Scene,
+    settings: Sensing,
+    mechanisms: Mechanisms,
+}
+
+impl Survey {
+    /// Of a world as it is.
+    pub fn take(world: &mut World) -> Self {
+        Self {
+            shot: Snapshot::take(world),
+            standing: standing_scene(world),
+            entities: world.resource::<crate::plant::Roster>().entity.clone(),
+            settings: *world.resource::<Sensing>(),
+            mechanisms: *world.resource::<Mechanisms>(),
+        }
+    }
+
+    /// What there is to look at, and from where.
+    pub fn job(self) -> SensingJob {
+        let Self { shot, entities, standing: mut scene, settings, mechanisms } = self;
+        gather::add_plants(&mut scene, &shot);
+        let mut job = SensingJob { scene, settings, keep_apart: mechanisms.space, ..SensingJob::default() };
+        if mechanisms.light || mechanisms.space {
+            job.ask(&shot, &entities, mechanisms);
+        }
+        job
+    }
+}
+
+impl SensingJob {
+    /// Asks for what every organ looks for.
+    fn ask(&mut self, shot: &Snapshot, entities: &[Entity], mechanisms: Mechanisms) {
+        // From where organs of a cell look: its first.
+        let mut lookouts: HashMap<(u32, IVec3), usize> = HashMap::new();
+        let leaves = axillant_leaves(shot);
         let mut index = vec![usize::MAX; shot.len()];
         for i in 0..shot.len() {
             if matches!(shot.state[i], OrganState::Leaf(_))
-                && let Some(request) = request(&shot, i, &settings, mechanisms)
+                && let Some(request) = request(shot, i, &self.settings, mechanisms)
             {
-                let here = match cell(&shot, i, request.probe.position) {
-                    Some(cell) => *lookouts.entry(cell).or_insert(requests.len()),
-                    None => requests.len(),
+                let here = match cell(shot, i, request.probe.position) {
+                    Some(cell) => *lookouts.entry(cell).or_insert(self.requests.len()),
+                    None => self.requests.len(),
                 };
                 index[i] = here;
-                lookers.push((roster.entity[i], here));
-                if here == requests.len() {
-                    requests.push(request);
-                }
+                self.look_from(here, entities[i], request);
             }
         }
         for i in 0..shot.len() {
             if matches!(shot.state[i], OrganState::Leaf(_)) {
                 continue;
             }
-            let Some(request) = request(&shot, i, &settings, mechanisms) else { continue };
-            let shared = request.search.is_none().then(|| cell(&shot, i, request.probe.position)).flatten();
+            let Some(request) = request(shot, i, &self.settings, mechanisms) else { continue };
+            let shared = request.search.is_none().then(|| cell(shot, i, request.probe.position)).flatten();
             let leaf = match shot.parent[i] {
                 NO_PARENT => u32::MAX,
                 stem => leaves[stem as usize],
             };
             if request.search.is_none() && leaf != u32::MAX && index[leaf as usize] != usize::MAX {
-                lookers.push((roster.entity[i], index[leaf as usize]));
+                self.lookers.push((entities[i], index[leaf as usize]));
             } else {
                 let here = match shared {
-                    Some(cell) => *lookouts.entry(cell).or_insert(requests.len()),
-                    None => requests.len(),
+                    Some(cell) => *lookouts.entry(cell).or_insert(self.requests.len()),
+                    None => self.requests.len(),
                 };
-                lookers.push((roster.entity[i], here));
-                if here == requests.len() {
-                    requests.push(request);
-                }
+                self.look_from(here, entities[i], request);
             }
         }
     }
-    world.insert_resource(ProbeCount(requests.len()));
-    world.insert_resource(SensingJob {
-        scene,
-        requests,
-        lookers,
-        found: Vec::new(),
-        settings,
-        keep_apart: mechanisms.space,
-    });
+
+    /// An organ looks from where request `here` does, which is this one if it is new.
+    fn look_from(&mut self, here: usize, organ: Entity, request: SenseRequest) {
+        self.lookers.push((organ, here));
+        if here == self.requests.len() {
+            self.requests.push(request);
+        }
+    }
+
+    /// Looks around from every probe.
+    pub fn look(&mut self, workers: &Workers) {
+        if self.requests.is_empty() {
+            return;
+        }
+        let tracer = Tracer::build(&self.scene);
+        self.found = sense(&tracer, &self.requests, &self.settings, workers);
+        if self.keep_apart {
+            keep_apart(self);
+        }
+    }
+
+    /// Becomes what the world's organs will read.
+    pub(super) fn install(self, world: &mut World) {
+        world.insert_resource(ProbeCount(self.requests.len()));
+        world.insert_resource(self);
+    }
+}
+
+/// Gathers scene and probes.
+pub fn gather_probes(world: &mut World) {
+    Survey::take(world).job().install(world);
 }
 
 /// The cell in which an organ that chooses no way shares its look around with others of its plant, if its species does so.
@@ -198,18 +246,7 @@ fn search(species: &Species, shot: &Snapshot, i: usize, mechanisms: Mechanisms) 
 /// Looks around from every probe.
 pub fn render_cube_maps(world: &mut World) {
     ensure_workers(world);
-    world.resource_scope(|world, mut job: Mut<SensingJob>| {
-        let workers = world.resource::<Workers>();
-        let job = &mut *job;
-        if job.requests.is_empty() {
-            return;
-        }
-        let tracer = Tracer::build(&job.scene);
-        job.found = sense(&tracer, &job.requests, &job.settings, workers);
-        if job.keep_apart {
-            keep_apart(job);
-        }
-    });
+    world.resource_scope(|world, mut job: Mut<SensingJob>| job.look(world.resource::<Workers>()));
 }
 
 /// Lets buds that would grow into each other, or into wood, take their next best candidate.

@@ -11,7 +11,8 @@ pub const NO_PARENT: u32 = u32::MAX;
 ///
 /// Bevy's query order changes after a despawn, so whatever depends on order walks this. Structure of arrays:
 /// index `i` of every column is the same organ.
-#[derive(Resource, Debug, Default, Clone)]
+#[derive(Resource, Debug, Default, Clone, Reflect)]
+#[reflect(Resource, Default)]
 pub struct Roster {
     /// The organ.
     pub entity: Vec<Entity>,

@@ -207,6 +207,39 @@ impl Snapshot {
         shot
     }
 
+    /// The same without some plants, by index; the others keep theirs.
+    pub fn without(&self, plants: &[u32]) -> Self {
+        let mut left = Self { step: self.step, next_birth: self.next_birth, ..Self::default() };
+        left.plants = self.plants.clone();
+        for &gone in plants {
+            if let Some(plant) = left.plants.get_mut(gone as usize) {
+                *plant = None;
+            }
+        }
+        let mut index = vec![NO_PARENT; self.len()];
+        for i in (0..self.len()).filter(|&i| !plants.contains(&self.plant[i])) {
+            index[i] = left.len() as u32;
+            left.birth.push(self.birth[i]);
+            left.parent.push(self.parent[i]);
+            left.plant.push(self.plant[i]);
+            left.lineage.push(self.lineage[i]);
+            left.span.push(self.span[i]);
+            left.order.push(self.order[i]);
+            left.attachment.push(self.attachment[i]);
+            left.pose.push(self.pose[i]);
+            left.exposure.push(self.exposure[i]);
+            left.allotment.push(self.allotment[i]);
+            left.flow.push(self.flow[i]);
+            left.state.push(self.state[i]);
+        }
+        for parent in left.parent.iter_mut().filter(|parent| **parent != NO_PARENT) {
+            *parent = index[*parent as usize];
+        }
+        let signals = self.signals.iter().map(|&(i, signals)| (index[i as usize], signals));
+        left.signals = signals.filter(|(i, _)| *i != NO_PARENT).collect();
+        left
+    }
+
     /// Length of organ `i`, metres; 0 for buds and leaves.
     pub fn length(&self, i: usize) -> f32 {
         match &self.state[i] {

@@ -12,9 +12,9 @@ use crate::BurgeonPlugins;
 use crate::environment::workers::Workers;
 use crate::environment::{Ground, Scene, whole_scene};
 use crate::files::{ResolvedScenario, ScenarioError};
-use crate::growth::sensing::{ProbeCount, gather_probes};
-use crate::growth::{StepCount, finish::StageTimes, forecast, grow};
-use crate::limits::{self, GrowthLimits};
+use crate::growth::sensing::gather_probes;
+use crate::growth::{StepCount, finish::StageTimes, grow};
+use crate::limits::{GrowthLimits, LimitReached, limit_reached};
 use crate::plant::measure::{StageSeconds, StepRecord};
 use crate::plant::{Fallen, Roster, Snapshot, SnapshotError, plants, restore};
 use crate::species::Species;
@@ -42,17 +42,8 @@ pub enum GardenError {
         source: EditError,
     },
     /// A limit was reached.
-    #[error("stopped at step {step}: {reached} {what} reach the limit of {limit}")]
-    Limit {
-        /// Steps grown.
-        step: u32,
-        /// What there is too much of.
-        what: &'static str,
-        /// How much there is.
-        reached: usize,
-        /// How much there may be.
-        limit: usize,
-    },
+    #[error(transparent)]
+    Limit(#[from] LimitReached),
 }
 
 /// Everything a garden is, to be saved and grown on bit for bit.
@@ -175,7 +166,9 @@ impl Garden {
         while let Some(made) = self.make_next_edit() {
             made?;
         }
-        self.within_limits(self.steps())?;
+        if let Some(reached) = limit_reached(&self.world) {
+            return Err(reached.into());
+        }
         grow(&mut self.world, 1);
         let snapshot = self.snapshot();
         let [generate, update, sense, finish] = self.world.resource::<StageTimes>().seconds;
@@ -201,23 +194,6 @@ impl Garden {
     pub(super) fn set_edits(&mut self, edits: Vec<TimedEdit>, made: usize) {
         self.scenario.edits = edits;
         self.edits_made = made;
-    }
-
-    fn within_limits(&self, step: u32) -> Result<(), GardenError> {
-        let most = *self.world.resource::<GrowthLimits>();
-        let probes = self.world.resource::<ProbeCount>().0;
-        // A step is not begun that might not be ended.
-        let organs = self.organs().saturating_add(forecast::next_step(&self.world));
-        let taken = [
-            ("probes in one step", probes, most.probes),
-            ("steps", step as usize, most.steps),
-            ("organs after the next step", organs, most.organs),
-            ("bytes of memory after the next step", organs.saturating_mul(limits::ORGAN_BYTES), most.memory),
-        ];
-        match taken.into_iter().find(|(_, reached, limit)| reached >= limit) {
-            Some((what, reached, limit)) => Err(GardenError::Limit { step, what, reached, limit }),
-            None => Ok(()),
-        }
     }
 
     /// Sets what it may take.

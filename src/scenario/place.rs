@@ -11,11 +11,13 @@ use crate::plant::Plant;
 use crate::species::Species;
 
 /// The species a run may plant, by name. A resource.
-#[derive(Resource, Debug, Clone, Default)]
+#[derive(Resource, Debug, Clone, Default, Reflect)]
+#[reflect(Resource, Default)]
 pub struct SpeciesBook(pub BTreeMap<String, Arc<Species>>);
 
 /// The seed of the run, to which each planting adds its own. A resource.
-#[derive(Resource, Debug, Clone, Copy, Default)]
+#[derive(Resource, Debug, Clone, Copy, Default, Reflect)]
+#[reflect(Resource, Default)]
 pub struct RunSeed(pub u64);
 
 pub(super) fn finite(field: &'static str, at: Vec3) -> Result<(), EditError> {
