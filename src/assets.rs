@@ -1,4 +1,16 @@
 //! The species and scenarios that ship with Burgeon, embedded in the program, and folders that replace them.
+//!
+//! With feature `assets` they are also assets of a Bevy app: `PlantAssetPlugin`.
+
+#[cfg(feature = "assets")]
+mod loaders;
+#[cfg(feature = "assets")]
+mod planted;
+
+#[cfg(feature = "assets")]
+pub use loaders::{ScenarioLoader, SpeciesLoader};
+#[cfg(feature = "assets")]
+pub use planted::{NextSpecies, PlantAssetPlugin, ScenarioRoot, SetOut, SetOutBy, SpeciesRoot};
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -264,7 +276,7 @@ struct Found {
 }
 
 /// Whether a name of a species or scenario is a path to a file.
-fn is_path(name: &str) -> bool {
+pub(crate) fn is_path(name: &str) -> bool {
     name.contains(['/', '\\']) || name.ends_with(".ron")
 }
 

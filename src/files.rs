@@ -16,6 +16,8 @@ mod source;
 mod species;
 
 pub use read::{inside, read_text, replace_file, write_whole};
+#[cfg(feature = "assets")]
+pub(crate) use read::{leads_down, text_of};
 pub use run::{Likeness, RunFile, StepHashes};
 pub use save::{SaveError, is_save, read_save, write_save};
 pub use scenario::{FARTHEST_M, LARGEST_M, ResolvedScenario, ScenarioError};

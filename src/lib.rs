@@ -39,6 +39,7 @@
 //! | to | see |
 //! |---|---|
 //! | read the growth step, add a system of your own to it | [`growth`] |
+//! | grow in a game without a frame that waits | [`growth::parts`] |
 //! | know what an organ carries, read a whole plant | [`plant`], [`Snapshot`](plant::Snapshot) |
 //! | change a kind of plant, or make one | [`species`], [`Species::from_ron`](species::Species::from_ron) |
 //! | set walls, lamps, sky and sun | [`Solid`](environment::Solid), [`Lamp`](environment::Lamp), [`Sky`](environment::Sky), [`Sun`](environment::Sun) |
@@ -58,7 +59,9 @@
 //! | feature | adds |
 //! |---|---|
 //! | none | the core: everything on this page |
-//! | `render` | plants drawn in any Bevy app |
+//! | `assets` | species and scenarios as assets of a Bevy app (`assets::PlantAssetPlugin`) |
+//! | `hot_reload` | `assets`, read again when their files change on disk |
+//! | `render` | `assets`, and plants drawn in any Bevy app |
 //! | `cli` | the command line, `burgeon` |
 //! | `viewer` (default) | `render`, `cli` and the window |
 //!

@@ -5,7 +5,7 @@ mod edit;
 mod fixtures;
 mod garden;
 mod gardener;
-mod place;
+pub(crate) mod place;
 mod preview;
 mod saved;
 mod timeline;

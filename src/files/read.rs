@@ -23,6 +23,11 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
     }
     let mut bytes = Vec::new();
     File::open(path).and_then(|f| f.take(limits::FILE_BYTES + 1).read_to_end(&mut bytes)).map_err(io)?;
+    text_of(bytes, file)
+}
+
+/// The text of a file's bytes, at most [`limits::FILE_BYTES`].
+pub(crate) fn text_of(bytes: Vec<u8>, file: String) -> Result<String, FileError> {
     if bytes.len() as u64 > limits::FILE_BYTES {
         return Err(FileError::TooLarge { file, limit: limits::FILE_BYTES });
     }
@@ -40,11 +45,7 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 pub fn inside(folder: &Path, path: &str, at: &Place) -> Result<PathBuf, FileError> {
     let outside =
         || FileError::OutsideFolder { at: at.clone(), path: crate::species::parameter::shorten(path) };
-    // A backslash or colon means something on one system and nothing on another.
-    let plain = !path.is_empty()
-        && !path.contains(['\\', ':', '\0'])
-        && Path::new(path).components().all(|c| matches!(c, Component::Normal(_)));
-    if !plain {
+    if !leads_down(path) {
         return Err(outside());
     }
     let file = folder.join(path);
@@ -55,6 +56,14 @@ pub fn inside(folder: &Path, path: &str, at: &Place) -> Result<PathBuf, FileErro
         return Err(outside());
     }
     Ok(file)
+}
+
+/// Whether a path leads to a file below where it begins, as far as it alone tells.
+pub(crate) fn leads_down(path: &str) -> bool {
+    // A backslash or colon means something on one system and nothing on another.
+    !path.is_empty()
+        && !path.contains(['\\', ':', '\0'])
+        && Path::new(path).components().all(|c| matches!(c, Component::Normal(_)))
 }
 
 /// Writes a whole file or leaves what was there, as [`replace_file`] does.

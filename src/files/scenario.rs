@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use bevy::prelude::Vec3;
+use bevy::prelude::{TypePath, Vec3};
 
 use super::ron_text::{differing, file_of, invalid, line_of, list_of, parse, short};
 use super::source::{Source, split_path};
@@ -20,7 +20,7 @@ pub const FARTHEST_M: f64 = 10_000.0;
 pub const LARGEST_M: f64 = 20_000.0;
 
 /// A scenario with every species it names.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, TypePath)]
 pub struct ResolvedScenario {
     /// What stands where.
     pub scenario: Scenario,

@@ -27,17 +27,18 @@ pub(super) fn finite(field: &'static str, at: Vec3) -> Result<(), EditError> {
     Err(EditError::Invalid { field, value: at.to_string(), allowed: "metres, at most 10 km from the origin" })
 }
 
-pub(super) fn sow(world: &mut World, planting: &Planting, species: Arc<Species>, seed: u64) {
-    world.spawn((
+pub(crate) fn sow(world: &mut World, planting: &Planting, species: Arc<Species>, seed: u64) -> Entity {
+    let sown = world.spawn((
         Plant { species, seed: seed.wrapping_add(planting.seed) },
         Transform::from_translation(planting.at).with_rotation(
             Quat::from_rotation_y(planting.turn_deg.to_radians())
                 * Quat::from_rotation_x(planting.tilt_deg.to_radians()),
         ),
     ));
+    sown.id()
 }
 
-pub(super) fn set_solid(world: &mut World, solid: &PlacedSolid) -> Entity {
+pub(crate) fn set_solid(world: &mut World, solid: &PlacedSolid) -> Entity {
     let placed = world.spawn((
         Name::new(solid.name.clone()),
         Solid { shape: solid.shape, color: solid.color.linear() },
@@ -47,12 +48,13 @@ pub(super) fn set_solid(world: &mut World, solid: &PlacedSolid) -> Entity {
     placed.id()
 }
 
-pub(super) fn set_lamp(world: &mut World, lamp: &PlacedLamp) {
-    world.spawn((
+pub(crate) fn set_lamp(world: &mut World, lamp: &PlacedLamp) -> Entity {
+    let placed = world.spawn((
         Name::new(lamp.name.clone()),
         Lamp { strength: lamp.strength, radius: lamp.radius, on: lamp.on, color: lamp.color.linear() },
         Transform::from_translation(lamp.at),
     ));
+    placed.id()
 }
 
 pub(super) fn set_sun(world: &mut World, sun: Option<PlacedSun>) {
