@@ -4,7 +4,8 @@
 //! cargo run --example portrait -- lamp 16 tree.png
 //! ```
 //!
-//! Arguments: scenario, steps, file, and then, all optional, azimuth and elevation of the camera, degrees.
+//! Arguments: scenario, steps, file, and then, all optional, azimuth and elevation of the camera, degrees, and how much
+//! farther off it stands than shows all, metres.
 
 use bevy::anti_alias::fxaa::Fxaa;
 use bevy::prelude::*;
@@ -44,7 +45,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (image, target) = offscreen_target(&mut world.resource_mut::<Assets<Image>>(), 960, 720);
     let fov = 2.0 * ops::atan(framing.tan_half_view);
     let lens = Projection::Perspective(PerspectiveProjection { fov, far: 2000.0, ..default() });
-    let stand = Transform::from_translation(framing.eye).looking_to(framing.forward, Vec3::Y);
+    let stand = Transform::from_translation(framing.eye - framing.forward * number(5, 0.0))
+        .looking_to(framing.forward, Vec3::Y);
     world.spawn((OutdoorCamera, target, Msaa::Off, Fxaa::default(), lens, stand));
 
     for _ in 0..8 {

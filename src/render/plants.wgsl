@@ -52,6 +52,8 @@ struct Clock {
 const BASE: u32 = 1u;
 const DYING: u32 = 2u;
 const TAU: f32 = 6.2831853;
+// Least radius of a branch as it is drawn, in pixels: a tube of three sides is one pixel wide.
+const THINNEST: f32 = 0.6;
 // Patterns of bark that differ from ridges, in the order of `BarkPattern`.
 const SMOOTH: f32 = 1.0;
 const BANDED: f32 = 3.0;
@@ -144,6 +146,8 @@ fn overlay(who: u32, before: u32, now: u32, t: f32) -> vec4<f32> {
 struct RingState {
     center: vec3<f32>,
     radius: f32,
+    // A number of its axis' own, 0 to 1.
+    chance: f32,
     frame: vec4<f32>,
     along: f32,
     who: u32,
@@ -160,6 +164,7 @@ fn ring(index: u32) -> RingState {
     let t = clock.time.x;
     var out: RingState;
     out.flags = c.w >> 16u;
+    out.chance = f32(out.flags >> 8u) / 255.0;
     out.who = d.y;
     out.before = d.z;
     out.now = d.w;
@@ -192,7 +197,31 @@ fn bark_color(plant: u32, radius: f32) -> vec3<f32> {
     return mix(plants[plant].twig.rgb, plants[plant].bark.rgb, age);
 }
 
-fn branch(first: u32, packed: u32) -> Point {
+// Metres that a pixel of this view spans at a place; 0 in a light's view, where nothing is widened.
+fn pixel(at: vec3<f32>) -> f32 {
+    let eye = view.lod_view_world_position.xyz;
+#ifdef PREPASS_PIPELINE
+    if distance(view.world_position, eye) > 1e-3 {
+        return 0.0;
+    }
+#endif
+    let span = 2.0 / (view.clip_from_view[1][1] * view.viewport.w);
+    let is_orthographic = view.clip_from_view[3][3] == 1.0;
+    return select(span * distance(at, eye), span, is_orthographic);
+}
+
+// The radius a branch is drawn with. What is thinner than a pixel would fall apart into dashes, so it is drawn a pixel
+// wide; of what is thinner than a quarter of one, the fewer axes the thinner, so that far crowns are not too dense.
+fn drawn_radius(radius: f32, chance: f32, at: vec3<f32>) -> f32 {
+    let thinnest = THINNEST * pixel(at);
+    if radius >= thinnest || radius <= 0.0 {
+        return radius;
+    }
+    let keep = mix(-0.08, 1.08, saturate(4.0 * radius / thinnest));
+    return thinnest * (1.0 - smoothstep(keep - 0.08, keep + 0.08, chance));
+}
+
+fn branch(first: u32, packed: u32, world_from_local: mat4x4<f32>) -> Point {
     var out: Point;
     let index = first + (packed & 0xffffu) + (packed >> 24u);
     // The segment leads to the ring after the unit's own.
@@ -202,7 +231,8 @@ fn branch(first: u32, packed: u32) -> Point {
     let u = f32((packed >> 16u) & 0xffu) / 240.0;
     let around = u * TAU;
     let side = rotate(at.frame, vec3(cos(around), 0.0, -sin(around)));
-    out.position = at.center + side * at.radius;
+    let place = (world_from_local * vec4(at.center, 1.0)).xyz;
+    out.position = at.center + side * drawn_radius(at.radius, at.chance, place);
     out.normal = side;
     out.uv = vec2(u, at.along);
     let false_color = overlay(at.who, at.before, at.now, clock.time.x);
@@ -330,12 +360,12 @@ fn blade(first: u32, packed: u32) -> Point {
 fn vertex(vertex: Vertex) -> VertexOutput {
     var out: VertexOutput;
     let first = mesh_functions::get_tag(vertex.instance_index);
+    let world_from_local = mesh_functions::get_world_from_local(vertex.instance_index);
 #ifdef LEAF
     let point = blade(first, vertex.packed);
 #else
-    let point = branch(first, vertex.packed);
+    let point = branch(first, vertex.packed, world_from_local);
 #endif
-    let world_from_local = mesh_functions::get_world_from_local(vertex.instance_index);
     out.world_position = mesh_functions::mesh_position_local_to_world(world_from_local, vec4(point.position, 1.0));
     out.position = position_world_to_clip(out.world_position.xyz);
     if point.nothing {

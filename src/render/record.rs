@@ -9,7 +9,7 @@ use half::f16;
 #[repr(transparent)]
 pub struct Record(pub [u32; 16]);
 
-/// Bits of a record's flags.
+/// Bits of a record's flags. In a ring's, bits 8 to 15 hold the number of its axis.
 pub mod flags {
     /// No surface leads from the ring before to this one.
     pub const BASE: u32 = 1;
@@ -63,6 +63,8 @@ pub struct Ring {
     pub window: Window,
     /// Bits of [`flags`].
     pub flags: u32,
+    /// A number of its axis' own, 0..1.
+    pub chance: f32,
     /// Whose it is.
     pub owner: Owner,
 }
@@ -115,7 +117,8 @@ impl Record {
 
     /// A ring.
     pub fn ring(ring: &Ring) -> Self {
-        let Ring { before, now, window, flags, owner } = ring;
+        let Ring { before, now, window, flags, chance, owner } = ring;
+        let flags = flags | unorm8(*chance) << 8;
         let shift = before.center - now.center;
         let [a0, a1] = turn(before.frame);
         // The shorter way between the two.
@@ -234,6 +237,7 @@ mod tests {
             now: state(2.0),
             window: Window { start: 0.0, end: 0.5 },
             flags: flags::DYING,
+            chance: 1.0,
             owner: Owner { birth: 9, plant: 3, order: 2, age: 1.0, values: [[0.0; 4], [1.0; 4]] },
         };
         let words = Record::ring(&ring).0;
@@ -243,7 +247,7 @@ mod tests {
         assert!((half(words[4], false) + 0.5).abs() < 1e-3);
         assert!((half(words[3], false) - 0.15).abs() < 1e-4 && (half(words[3], true) - 0.2).abs() < 2e-4);
         assert_eq!((words[5] >> 16 & 0xFF, words[5] >> 24), (0, 128));
-        assert_eq!(words[11] >> 16, flags::DYING);
+        assert_eq!(words[11] >> 16, flags::DYING | 0xFF00);
         assert_eq!((words[12], words[13] & 0xFFFF, words[13] >> 16 & 0xFF, words[13] >> 24), (9, 3, 2, 255));
         assert_eq!((words[14], words[15]), (0, u32::MAX));
     }
@@ -263,6 +267,7 @@ mod tests {
             now: state(1.0),
             window: Window::STEP,
             flags: 0,
+            chance: 0.0,
             owner: Owner::default(),
         };
         let one_way = Record::ring(&ring);

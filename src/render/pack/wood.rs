@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::Lot;
-use super::union::{NONE, Union};
+use super::union::{NONE, Union, unit};
 use crate::plant::OrganState;
 use crate::render::record::{Ring, RingState, Window, flags};
 
@@ -111,14 +111,15 @@ fn strip(union: &Union, axes: &Axes, chain: &[usize], lot: &mut Lot<Ring>) {
             None => Bare { center: sprout(union, chain[0]), radius: 0.0, along: 0.0, ..*ring },
         });
     }
-    emit(union, chain, &before, &now, 0, lot);
+    emit(union, chain, chance(union, chain), [&before, &now], 0, lot);
 }
 
 /// The part of an axis that goes, as it was.
 fn falling(union: &Union, axes: &Axes, chain: &[usize], from: usize, lot: &mut Lot<Ring>) {
     let mut all = Vec::with_capacity(chain.len() + 2);
     rings(union, chain, 0, axes, &mut all);
-    emit(union, &chain[from..], &all[from..], &all[from..], flags::DYING, lot);
+    let old = &all[from..];
+    emit(union, &chain[from..], chance(union, chain), [old, old], flags::DYING, lot);
 }
 
 /// Where a new axis begins at the begin of the step.
@@ -183,8 +184,20 @@ fn rings(union: &Union, chain: &[usize], state: usize, axes: &Axes, into: &mut V
     }
 }
 
+/// The number of an axis, which stays as it grows: the greater, the sooner it is left out at a distance. A stem never is.
+fn chance(union: &Union, chain: &[usize]) -> f32 {
+    if union.order(chain[0]) == 0 { 0.0 } else { unit(union.lineage(chain[0])) }
+}
+
 /// Adds a strip: `before` and `now` hold a base, a ring an internode of `chain`, and an apex.
-fn emit(union: &Union, chain: &[usize], before: &[Bare], now: &[Bare], extra: u32, lot: &mut Lot<Ring>) {
+fn emit(
+    union: &Union,
+    chain: &[usize],
+    chance: f32,
+    [before, now]: [&[Bare]; 2],
+    extra: u32,
+    lot: &mut Lot<Ring>,
+) {
     let (mut old, mut new) = (Carrier::default(), Carrier::default());
     for (k, (before, now)) in before.iter().zip(now).enumerate() {
         let organ = chain[k.saturating_sub(1).min(chain.len() - 1)];
@@ -199,6 +212,7 @@ fn emit(union: &Union, chain: &[usize], before: &[Bare], now: &[Bare], extra: u3
             now: new.carry(now),
             window,
             flags: extra | if k == 0 { flags::BASE } else { 0 },
+            chance,
             owner: union.owner(organ),
         };
         lot.add(ring, [before.center, now.center], before.radius.max(now.radius));
