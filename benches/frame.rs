@@ -1,0 +1,166 @@
+//! What the processor does in a frame for plants that grow and are drawn: between two steps, when a step lands, and
+//! while the next one grows in parts. No graphics card: Bevy's renderer is there, without one to talk to.
+//!
+//! ```sh
+//! cargo bench --features render --bench frame
+//! ```
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::settings::{RenderCreation, WgpuSettings};
+use burgeon::growth::parts::{PartOfStep, grow_in_parts};
+use burgeon::plant::OrganState;
+use burgeon::prelude::*;
+use burgeon::render::{DrawSettings, Drawn, PlantRenderPlugin, Stage, StepFraction};
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+
+/// An app that draws nothing but plants, and those into the void.
+fn app(settings: DrawSettings) -> App {
+    let mut app = App::new();
+    let nothing = WgpuSettings { backends: None, ..default() };
+    let plugins = DefaultPlugins
+        .build()
+        .disable::<bevy::log::LogPlugin>()
+        .set(RenderPlugin { render_creation: RenderCreation::Automatic(Box::new(nothing)), ..default() });
+    #[cfg(feature = "viewer")]
+    let plugins = plugins.disable::<bevy::winit::WinitPlugin>();
+    app.add_plugins((plugins, PlantRenderPlugin)).insert_resource(settings);
+    app.finish();
+    app.cleanup();
+    app.update();
+    app
+}
+
+/// A grove of `n` young oaks before and after a growth step, and what that cost the frames it grew in.
+struct Grove {
+    states: [Arc<Snapshot>; 2],
+    /// The longest that a frame was kept, and by the snapshot at the end.
+    longest: [Duration; 2],
+    /// The whole step, other threads included.
+    step: Duration,
+}
+
+fn grove(n: i32) -> Grove {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, BurgeonPlugins)).insert_resource(Sensing {
+        leaf_face: 2,
+        bud_face: 4,
+        ..default()
+    });
+    let oak = Arc::new(Species::named("oak").expect("it is shipped"));
+    for k in 0..n {
+        let at = Transform::from_xyz(12.0 * (k % 4) as f32, 0.0, 12.0 * (k / 4) as f32);
+        app.world_mut().spawn((Plant::new(oak.clone(), 7 + k as u64), at));
+    }
+    grow(app.world_mut(), 11);
+    let before = Arc::new(Snapshot::take(app.world()));
+    let (began, mut part) = (Instant::now(), Duration::ZERO);
+    loop {
+        let part_began = Instant::now();
+        let came = grow_in_parts(app.world_mut(), Duration::from_millis(4));
+        part = part.max(part_began.elapsed());
+        match came {
+            PartOfStep::Finished => break,
+            PartOfStep::More => {}
+            PartOfStep::Looking => std::thread::sleep(Duration::from_micros(500)),
+        }
+    }
+    let step = began.elapsed();
+    let began = Instant::now();
+    let now = Arc::new(Snapshot::take(app.world()));
+    Grove { states: [before, now], longest: [part, began.elapsed()], step }
+}
+
+fn leaves(shot: &Snapshot) -> usize {
+    shot.state.iter().filter(|state| matches!(state, OrganState::Leaf(_))).count()
+}
+
+/// Has the app draw a step and waits until it is on screen; the longest frame of that.
+fn land(app: &mut App, garden: Entity, drawn: Drawn) -> Duration {
+    app.world_mut().entity_mut(garden).insert(drawn);
+    let mut worst = Duration::ZERO;
+    for _ in 0..100_000 {
+        let began = Instant::now();
+        app.update();
+        worst = worst.max(began.elapsed());
+        if app.world().get::<Stage>(garden).is_some_and(Stage::is_settled) {
+            return worst;
+        }
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    panic!("the step never landed");
+}
+
+fn median(mut times: Vec<Duration>) -> f64 {
+    times.sort();
+    times[times.len() / 2].as_secs_f64() * 1e3
+}
+
+fn frame(criterion: &mut Criterion) {
+    let mut empty = app(DrawSettings::default());
+    let nothing = median(
+        (0..200)
+            .map(|_| {
+                let began = Instant::now();
+                empty.update();
+                began.elapsed()
+            })
+            .collect(),
+    );
+    println!("a frame without plants: {nothing:.3} ms");
+    println!("a step in parts of 4 ms, then drawn; the worst frame of each, ms:");
+    println!(
+        "leaves  organs  step    growing  snapshot  landing  landing, packed at once  between steps, mean"
+    );
+    let groves: Vec<_> = [1, 4, 16].into_iter().map(grove).collect();
+    for Grove { states: [before, now], longest, step } in &groves {
+        let there = Drawn { before: before.clone(), now: now.clone() };
+        let back = Drawn { before: now.clone(), now: before.clone() };
+        let mut landing = [Vec::new(), Vec::new()];
+        let mut between = Vec::new();
+        for (at_once, landing) in [false, true].into_iter().zip(&mut landing) {
+            let mut app = app(DrawSettings { pack_at_once: at_once, ..default() });
+            let garden = app.world_mut().spawn(there.clone()).id();
+            land(&mut app, garden, there.clone());
+            for drawn in [&back, &there, &back, &there, &back] {
+                landing.push(land(&mut app, garden, drawn.clone()));
+            }
+            for k in 0..200 {
+                app.world_mut().entity_mut(garden).insert(StepFraction(k as f32 / 200.0));
+                let began = Instant::now();
+                app.update();
+                between.push(began.elapsed());
+            }
+        }
+        let [aside, at_once] = landing.map(median);
+        let (leaves, organs, between) = (leaves(now), now.len(), median(between) - nothing);
+        let [step, part, shot] = [*step, longest[0], longest[1]].map(|time| time.as_secs_f64() * 1e3);
+        println!(
+            "{leaves:6}  {organs:6}  {step:6.0}  {part:7.2}  {shot:8.2}  {aside:7.2}  {at_once:23.2}  {between:19.3}"
+        );
+    }
+
+    let mut group = criterion.benchmark_group("frame");
+    group.sample_size(10).measurement_time(Duration::from_secs(3)).warm_up_time(Duration::from_secs(1));
+    for Grove { states: [before, now], .. } in &groves {
+        let mut app = app(DrawSettings::default());
+        let drawn = Drawn { before: before.clone(), now: now.clone() };
+        let garden = app.world_mut().spawn(drawn.clone()).id();
+        land(&mut app, garden, drawn);
+        group.bench_function(BenchmarkId::new("between steps", leaves(now)), |bencher| {
+            let mut k = 0.0;
+            bencher.iter(|| {
+                k = (k + 0.01) % 1.0;
+                app.world_mut().entity_mut(garden).insert(StepFraction(k));
+                app.update();
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, frame);
+criterion_main!(benches);
