@@ -26,7 +26,7 @@ fn words(verdict: Verdict) -> &'static str {
 fn long_enough(read: &Stability) -> u32 {
     let swings = read.period.map_or(0.0, |period| 5.0 * period);
     // Until a hundredth is left.
-    let fades = if read.factor < 1.0 { -4.6 / read.factor.max(1e-6).ln() } else { 0.0 };
+    let fades = if read.factor < 1.0 { -4.6 / bevy::math::ops::ln(read.factor.max(1e-6)) } else { 0.0 };
     (swings.max(fades) as u32 + read.lag).clamp(12, 400)
 }
 
@@ -112,7 +112,7 @@ mod tests {
                 Verdict::Fades => assert!(late < 0.1, "lag {lag}, ratio {ratio}: {late}"),
                 Verdict::Converges => assert!(late < 1.0, "lag {lag}, ratio {ratio}: {late}"),
                 Verdict::Swings | Verdict::Diverges => {
-                    assert!(late > 1.0, "lag {lag}, ratio {ratio}: {late}")
+                    assert!(late > 1.0, "lag {lag}, ratio {ratio}: {late}");
                 }
             }
         }
