@@ -7,7 +7,7 @@
 //! others'                          look around ───────▶
 //! ```
 //!
-//! [`GrowthStep`](super::GrowthStep) runs once a step whether in parts or whole, systems of the host's own included, in
+//! [`GrowthStep`] runs once a step whether in parts or whole, systems of the host's own included, in
 //! the same order: every system is asked whether it is its turn.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
