@@ -412,3 +412,17 @@ proptest! {
         let _ = garden.apply_set(&text);
     }
 }
+
+#[test]
+fn a_file_without_a_value_says_why() {
+    for (text, why) in [
+        ("", "the file is empty"),
+        ("  \n", "the file is empty"),
+        ("// a species", "nothing but comments"),
+        ("/* a species */", "nothing but comments"),
+        ("/* (version: 1)", "never closed"),
+    ] {
+        let told = Scenario::from_ron(text, "here.ron").unwrap_err().to_string();
+        assert!(told.contains("here.ron") && told.contains(why), "{text:?}: {told}");
+    }
+}

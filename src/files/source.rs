@@ -89,9 +89,16 @@ impl<'a> Source<'a> {
         if any {
             return Ok(());
         }
+        let what = match self.text.trim() {
+            "" => "the file is empty",
+            comments if comments.contains("/*") && !comments.contains("*/") => {
+                "a `/*` is never closed by `*/`"
+            }
+            _ => "the file holds nothing but comments",
+        };
         Err(FileError::Syntax {
             at: Place::file(self.file),
-            message: "the file is empty; the least there can be is `()`".into(),
+            message: format!("{what}; the least there can be is `()`"),
         })
     }
 
