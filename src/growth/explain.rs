@@ -7,8 +7,9 @@ mod words;
 
 use bevy::prelude::*;
 
+use super::Mechanisms;
+use super::sensing::Lookouts;
 use super::shoots::segment_lineage;
-use super::{Mechanisms, sensing};
 use crate::environment::cube_map::{CubeFace, CubeMap, FaceReading};
 use crate::environment::probe::Sensing;
 use crate::environment::sense::{Look, SenseRequest, look};
@@ -75,7 +76,8 @@ pub struct Explanation {
 pub struct Sight {
     /// Its cube map, its readings and its candidates.
     pub look: Look,
-    /// The birth number of the leaf that looked for it: a sleeping bud takes its light from the leaf it sits by.
+    /// The birth number of the organ that looked for it: a sleeping bud takes its light from the leaf it sits by, and
+    /// organs of some species share a look with others near them.
     pub through: Option<u32>,
     /// Where and how it looked.
     pub request: SenseRequest,
@@ -154,12 +156,10 @@ pub fn explain_in(
     let i = shot.index_of(birth)?;
     let species = shot.plants.get(shot.plant[i] as usize)?.as_ref()?.species.clone();
     let looks = around.mechanisms.light || around.mechanisms.space;
-    let ask = |i| sensing::request(shot, i, &around.sensing, around.mechanisms);
-    let sight = ask(i).filter(|_| looks).map(|own| {
-        let leaf = axillant_leaf(shot, i).filter(|_| own.search.is_none());
-        let through = leaf.and_then(|leaf| Some((shot.birth[leaf], ask(leaf)?)));
-        let (through, request) = through.map_or((None, own), |(leaf, request)| (Some(leaf), request));
-        Sight { through, ..sight(shot, i, around, tracer, request) }
+    let lookouts = Lookouts::of(shot, &around.sensing, around.mechanisms);
+    let sight = lookouts.read[i].filter(|_| looks).map(|here| {
+        let through = Some(lookouts.organs[here]).filter(|organ| *organ != i).map(|organ| shot.birth[organ]);
+        Sight { through, ..sight(shot, i, around, tracer, lookouts.requests[here].clone()) }
     });
     Some(Explanation {
         step: shot.step,
@@ -179,16 +179,6 @@ pub fn explain_in(
         mechanisms: around.mechanisms,
         sight,
     })
-}
-
-/// The leaf through which a sleeping bud looks.
-fn axillant_leaf(shot: &Snapshot, i: usize) -> Option<usize> {
-    let parent = shot.parent[i];
-    if matches!(shot.state[i], OrganState::Leaf(_)) || parent == NO_PARENT {
-        return None;
-    }
-    let leaf = sensing::axillant_leaves(shot)[parent as usize];
-    (leaf != u32::MAX).then_some(leaf as usize)
 }
 
 fn sight(shot: &Snapshot, i: usize, around: &Surroundings, tracer: &Tracer, request: SenseRequest) -> Sight {

@@ -109,7 +109,7 @@ pub fn to_shed(accounts: &[Account], sums: &[Branch], mine: &[usize], deficit: f
 
 /// Most of its income that a plant gives up with poor side axes in one step: when all its crown is poor it thins,
 /// the poorest first, and what stays has more light.
-pub const MOST_GIVEN_UP: f64 = 0.05;
+pub const MOST_GIVEN_UP: f64 = 0.25;
 
 /// Which of a plant's poor side axes go in this step: the poorest first, ties by birth, as long as all of them
 /// together earn no more than [`MOST_GIVEN_UP`] of `income`.

@@ -85,50 +85,10 @@ impl Survey {
 impl SensingJob {
     /// Asks for what every organ looks for.
     fn ask(&mut self, shot: &Snapshot, entities: &[Entity], mechanisms: Mechanisms) {
-        // From where organs of a cell look: its first.
-        let mut lookouts: HashMap<(u32, IVec3), usize> = HashMap::new();
-        let leaves = axillant_leaves(shot);
-        let mut index = vec![usize::MAX; shot.len()];
-        for i in 0..shot.len() {
-            if matches!(shot.state[i], OrganState::Leaf(_))
-                && let Some(request) = request(shot, i, &self.settings, mechanisms)
-            {
-                let here = match cell(shot, i, request.probe.position) {
-                    Some(cell) => *lookouts.entry(cell).or_insert(self.requests.len()),
-                    None => self.requests.len(),
-                };
-                index[i] = here;
-                self.look_from(here, entities[i], request);
-            }
-        }
-        for i in 0..shot.len() {
-            if matches!(shot.state[i], OrganState::Leaf(_)) {
-                continue;
-            }
-            let Some(request) = request(shot, i, &self.settings, mechanisms) else { continue };
-            let shared = request.search.is_none().then(|| cell(shot, i, request.probe.position)).flatten();
-            let leaf = match shot.parent[i] {
-                NO_PARENT => u32::MAX,
-                stem => leaves[stem as usize],
-            };
-            if request.search.is_none() && leaf != u32::MAX && index[leaf as usize] != usize::MAX {
-                self.lookers.push((entities[i], index[leaf as usize]));
-            } else {
-                let here = match shared {
-                    Some(cell) => *lookouts.entry(cell).or_insert(self.requests.len()),
-                    None => self.requests.len(),
-                };
-                self.look_from(here, entities[i], request);
-            }
-        }
-    }
-
-    /// An organ looks from where request `here` does, which is this one if it is new.
-    fn look_from(&mut self, here: usize, organ: Entity, request: SenseRequest) {
-        self.lookers.push((organ, here));
-        if here == self.requests.len() {
-            self.requests.push(request);
-        }
+        let lookouts = Lookouts::of(shot, &self.settings, mechanisms);
+        let reads = lookouts.read.iter().enumerate().filter_map(|(i, here)| Some((entities[i], (*here)?)));
+        self.lookers = reads.collect();
+        self.requests = lookouts.requests;
     }
 
     /// Looks around from every probe.
@@ -150,6 +110,51 @@ impl SensingJob {
     }
 }
 
+/// From where the organs of some plants look around, and who reads what is seen there: an organ that chooses no way
+/// shares a look with others of its cell, a bud asleep by a leaf takes what the leaf sees.
+#[derive(Debug, Default)]
+pub struct Lookouts {
+    /// What is asked from each.
+    pub requests: Vec<SenseRequest>,
+    /// The organ that stands at each, by its index.
+    pub organs: Vec<usize>,
+    /// Which of them each organ reads, if any.
+    pub read: Vec<Option<usize>>,
+}
+
+impl Lookouts {
+    /// Of the organs of a snapshot.
+    pub fn of(shot: &Snapshot, settings: &Sensing, mechanisms: Mechanisms) -> Self {
+        let mut all = Self { read: vec![None; shot.len()], ..Self::default() };
+        let mut cells: HashMap<(u32, IVec3), usize> = HashMap::new();
+        let leaves = axillant_leaves(shot);
+        let is_leaf = |i: &usize| matches!(shot.state[*i], OrganState::Leaf(_));
+        // Leaves first: they look out for the buds beside them.
+        for i in (0..shot.len()).filter(is_leaf).chain((0..shot.len()).filter(|i| !is_leaf(i))) {
+            let Some(request) = request(shot, i, settings, mechanisms) else { continue };
+            let leaf = match shot.parent[i] {
+                stem if stem != NO_PARENT && !is_leaf(&i) => leaves[stem as usize],
+                _ => u32::MAX,
+            };
+            let rests = request.search.is_none();
+            let through = (rests && leaf != u32::MAX).then(|| all.read[leaf as usize]).flatten();
+            let shared = rests.then(|| cell(shot, i, request.probe.position)).flatten();
+            let new = all.requests.len();
+            let here = match (through, shared) {
+                (Some(through), _) => through,
+                (None, Some(cell)) => *cells.entry(cell).or_insert(new),
+                (None, None) => new,
+            };
+            all.read[i] = Some(here);
+            if here == new {
+                all.requests.push(request);
+                all.organs.push(i);
+            }
+        }
+        all
+    }
+}
+
 /// Gathers scene and probes.
 pub fn gather_probes(world: &mut World) {
     Survey::take(world).job().install(world);
@@ -162,7 +167,7 @@ fn cell(shot: &Snapshot, i: usize, position: Vec3) -> Option<(u32, IVec3)> {
 }
 
 /// The first living leaf on each stem segment, `u32::MAX` where there is none.
-pub(super) fn axillant_leaves(shot: &Snapshot) -> Vec<u32> {
+fn axillant_leaves(shot: &Snapshot) -> Vec<u32> {
     let mut leaves = vec![u32::MAX; shot.len()];
     for i in (0..shot.len()).rev() {
         if matches!(shot.state[i], OrganState::Leaf(leaf) if leaf.size > 0.0) && shot.parent[i] != NO_PARENT {

@@ -108,7 +108,7 @@ fn form_nodes_spares_a_seedling_and_the_middle_of_a_growth_unit() {
 }
 
 #[test]
-fn a_plant_gives_up_a_twentieth_of_its_income_a_step_with_its_poor_axes_and_no_more() {
+fn a_plant_gives_up_a_quarter_of_its_income_a_step_with_its_poor_axes_and_no_more() {
     let species = Species { prune_income: 5.0, prune_patience: 1, ..lam_king() };
     let mut nursery = Nursery::new(species);
     let trunk = nursery.stem(None, 0.2);
@@ -119,14 +119,14 @@ fn a_plant_gives_up_a_twentieth_of_its_income_a_step_with_its_poor_axes_and_no_m
         base
     });
     nursery.app.insert_resource(StepCount(5));
-    nursery.set(nursery.plant, EnergyLedger { income: 100.0, ..default() });
+    nursery.set(nursery.plant, EnergyLedger { income: 20.0, ..default() });
     nursery.run(liabilities::shed_liabilities);
     nursery.run(liabilities::shed_liabilities);
     let gone: Vec<u32> = nursery.condemned().iter().map(|(birth, _)| *birth).collect();
     assert_eq!(
         gone,
         [nursery.birth(bases[1]), nursery.birth(bases[0])],
-        "the poorest, as far as they earn 5 of 100"
+        "the poorest, as far as they earn 5 of 20"
     );
 }
 

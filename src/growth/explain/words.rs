@@ -151,7 +151,7 @@ impl Explanation {
             .map(|(name, count)| format!("{:.0} % {name}", 100.0 * count as f32 / all.max(1) as f32))
             .collect();
         let who = match sight.through {
-            Some(leaf) => format!("The leaf it sits by ({leaf}) looks around for it and"),
+            Some(organ) => format!("Organ {organ} beside it looks around for it and"),
             None => "Looking around it".into(),
         };
         format!(
