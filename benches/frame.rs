@@ -112,9 +112,7 @@ fn frame(criterion: &mut Criterion) {
     );
     println!("a frame without plants: {nothing:.3} ms");
     println!("a step in parts of 4 ms, then drawn; the worst frame of each, ms:");
-    println!(
-        "leaves  organs  step    growing  snapshot  landing  landing, packed at once  between steps, mean"
-    );
+    println!("leaves  organs  step    growing  snapshot  landing  landing, packed at once  between steps");
     let groves: Vec<_> = [1, 4, 16].into_iter().map(grove).collect();
     for Grove { states: [before, now], longest, step } in &groves {
         let there = Drawn { before: before.clone(), now: now.clone() };

@@ -142,7 +142,11 @@ impl Library {
     /// If there is none of that name, or a folder's file or a species in it is bad.
     pub fn scenario(&self, name: &str) -> Result<ResolvedScenario, FileError> {
         match self.text("scenarios", SCENARIOS, name)? {
-            Some(found) => self.read(&found.text, &found.file, found.folder.as_deref()),
+            Some(found) => {
+                let mut resolved = self.read(&found.text, &found.file, found.folder.as_deref())?;
+                resolved.scenario.name_after(Path::new(&found.file));
+                Ok(resolved)
+            }
             None => {
                 let at = Place::file("scenario");
                 Err(FileError::no_such_scenario(at, name, self.scenario_names()))
@@ -167,23 +171,37 @@ impl Library {
     /// # Errors
     /// If it or a species is bad, or a path leads out of the folder.
     pub fn read(&self, text: &str, file: &str, folder: Option<&Path>) -> Result<ResolvedScenario, FileError> {
-        let mut scenario = Scenario::in_file_order(text, file)?;
+        let scenario = Scenario::in_file_order(text, file)?;
+        self.with_species(scenario, text, file, |name, at| match folder {
+            Some(folder) if is_path(name) => {
+                let path = inside(folder, name, at)?;
+                Species::from_ron(&read_text(&path)?, &path.display().to_string()).map(Some)
+            }
+            _ => Ok(None),
+        })
+    }
+
+    /// A scenario, its edits still in the order of its file, with the species it names: those that `beside` has, or
+    /// else the library's.
+    fn with_species(
+        &self,
+        mut scenario: Scenario,
+        text: &str,
+        file: &str,
+        mut beside: impl FnMut(&str, &Place) -> Result<Option<Species>, FileError>,
+    ) -> Result<ResolvedScenario, FileError> {
         let mut species = BTreeMap::new();
         for (name, path) in scenario.species_named() {
             if species.contains_key(name) {
                 continue;
             }
-            let at = || place_in(text, file, &path);
-            let mut found = match folder {
-                Some(folder) if is_path(name) => {
-                    let path = inside(folder, name, &at())?;
-                    Species::from_ron(&read_text(&path)?, &path.display().to_string())?
-                }
-                _ => self.species(name).map_err(|e| e.moved_to(at()))?,
+            let at = place_in(text, file, &path);
+            let found = match beside(name, &at)? {
+                Some(found) => found,
+                None => self.species(name).map_err(|why| why.moved_to(at))?,
             };
             // Here it goes by the name plants and edits give it.
-            found.name = name.to_string();
-            species.insert(name.to_string(), found);
+            species.insert(name.to_string(), Species { name: name.to_string(), ..found });
         }
         scenario.order_edits();
         Ok(ResolvedScenario { scenario, species })

@@ -31,6 +31,11 @@ pub fn mix(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
+/// The top 24 bits of a well mixed number as a number in 0..1.
+pub(crate) fn share(bits: u64) -> f32 {
+    (bits >> 40) as f32 / (1_u64 << 24) as f32
+}
+
 /// The random stream of an organ for one purpose in one step.
 pub fn stream(plant_seed: u64, lineage: Lineage, step: u32, purpose: Purpose) -> Pcg64Mcg {
     let key = mix(plant_seed ^ mix(lineage.0 ^ mix(u64::from(step) << 8 | purpose as u64)));

@@ -203,7 +203,7 @@ parameters! {
         sprouting: f32 = 0.0, "1/step", Range::real(0.0, 1.0);
         /// Income per living node below which a side axis is poor.
         prune_income: f32 = 0.0, "energy/step", Range::real(0.0, 1000.0);
-        /// Steps a side axis may be poor before it is shed; 0: never shed.
+        /// Steps a side axis may be poor before it is shed, the poorest first; 0: never shed.
         prune_patience: u32 = 0, "steps", Range::whole(0, 10_000);
 
         // Wood

@@ -69,9 +69,14 @@ fn frames_are_a_picture_of_every_step_in_a_new_folder() {
     assert!(out.contains("pictures/steps: 4 pictures"), "{out}");
     let picture = |step: u32| image::open(at.join(format!("pictures/steps/step_{step:04}.png"))).unwrap();
     assert_eq!(picture(0).width(), picture(3).width());
-    // From one stand: what stays is where it was, what grew is not.
-    assert_ne!(picture(0), picture(3));
-    assert_eq!(picture(0).to_rgb8().get_pixel(0, 0), picture(3).to_rgb8().get_pixel(0, 0));
+    // From one stand: sky and hills beside the plant are where they were, the middle has grown.
+    let (first, last) = (picture(0).to_rgb8(), picture(3).to_rgb8());
+    let column = |picture: &image::RgbImage, x: u32| -> Vec<_> {
+        (0..picture.height() * 7 / 10).map(|y| *picture.get_pixel(x, y)).collect()
+    };
+    let (edge, middle) = (first.width() - 1, first.width() / 2);
+    assert_eq!(column(&first, edge), column(&last, edge));
+    assert_ne!(column(&first, middle), column(&last, middle));
     assert_eq!(std::fs::read_dir(at.join("pictures/steps")).unwrap().count(), 4);
 
     let (_, err) = ends(at, "grow figure_1d --steps 3 --out p --frames pictures/steps", 1);
@@ -81,7 +86,9 @@ fn frames_are_a_picture_of_every_step_in_a_new_folder() {
     std::fs::write(at.join("file.txt"), "").unwrap();
     let (_, err) = ends(at, "grow figure_1d --steps 1 --out q --frames file.txt/x", 1);
     assert!(err.contains("file.txt"), "{err}");
-    ends(at, "grow figure_1d --steps 1 --out q --frames q", 2);
+    for taken in ["--frames q", "--frames q/tree.png/x", "--save s --frames ./s", "--save s --frames s/x"] {
+        ends(at, &format!("grow figure_1d --steps 1 --out q {taken}"), 2);
+    }
 }
 
 #[test]

@@ -420,7 +420,9 @@ fn a_file_without_a_value_says_why() {
         ("  \n", "the file is empty"),
         ("// a species", "nothing but comments"),
         ("/* a species */", "nothing but comments"),
+        ("// all of species/*", "nothing but comments"),
         ("/* (version: 1)", "never closed"),
+        ("/* a /* b */", "never closed"),
     ] {
         let told = Scenario::from_ron(text, "here.ron").unwrap_err().to_string();
         assert!(told.contains("here.ron") && told.contains(why), "{text:?}: {told}");

@@ -7,7 +7,7 @@ use bevy::asset::{Asset, AssetLoader, AssetPath, LoadContext, UntypedAssetId, Vi
 use bevy::reflect::TypePath;
 
 use super::{Library, is_path};
-use crate::files::{FileError, ResolvedScenario, leads_down, place_in, text_of};
+use crate::files::{FileError, ResolvedScenario, leads_down, text_of};
 use crate::limits;
 use crate::scenario::Scenario;
 use crate::species::Species;
@@ -47,7 +47,7 @@ impl AssetLoader for SpeciesLoader {
     }
 }
 
-/// Reads a scenario with every species it names: those of the [`Library`], and files beside it, which are watched with
+/// Reads a scenario with every species it names: the shipped ones, and files beside it, which are watched with
 /// it. `asset_server.load::<ResolvedScenario>("scenarios/yard.ron")`.
 #[derive(Debug, Default, TypePath)]
 pub struct ScenarioLoader;
@@ -66,28 +66,23 @@ impl AssetLoader for ScenarioLoader {
         let path = context.path().clone_owned();
         let file = path.to_string();
         let text = text(reader, &file).await?;
-        let mut scenario = Scenario::in_file_order(&text, &file)?;
-        let library = Library::embedded();
-        let mut species = BTreeMap::new();
-        for (name, field) in scenario.species_named() {
-            if species.contains_key(name) {
-                continue;
+        let scenario = Scenario::in_file_order(&text, &file)?;
+        // Only this can wait for files: all of them first, with what is wrong with each.
+        let mut read = BTreeMap::new();
+        for (name, _) in scenario.species_named() {
+            if is_path(name) && leads_down(name) && !read.contains_key(name) {
+                read.insert(name.to_string(), beside(&path, name, context).await);
             }
-            let at = || place_in(&text, &file, &field);
-            let found = if is_path(name) {
-                if !leads_down(name) {
-                    return Err(FileError::OutsideFolder { at: at(), path: shorten(name) });
-                }
-                beside(&path, name, context).await?
-            } else {
-                library.species(name).map_err(|why| why.moved_to(at()))?
-            };
-            // Here it goes by the name plants and edits give it.
-            species.insert(name.to_string(), Species { name: name.to_string(), ..found });
         }
-        scenario.order_edits();
-        scenario.name_after(path.path());
-        Ok(ResolvedScenario { scenario, species })
+        let mut resolved = Library::embedded().with_species(scenario, &text, &file, |name, at| match read
+            .remove(name)
+        {
+            Some(found) => found.map(Some),
+            None if is_path(name) => Err(FileError::OutsideFolder { at: at.clone(), path: shorten(name) }),
+            None => Ok(None),
+        })?;
+        resolved.scenario.name_after(path.path());
+        Ok(resolved)
     }
 
     fn extensions(&self) -> &[&str] {

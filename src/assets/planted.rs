@@ -7,7 +7,6 @@ use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 
 use super::loaders::{ScenarioLoader, SpeciesLoader};
-use crate::environment::{Ground, Sun};
 use crate::files::ResolvedScenario;
 use crate::growth::{GrowthStep, Stage};
 use crate::plant::Plant;
@@ -32,6 +31,7 @@ impl Plugin for PlantAssetPlugin {
             .register_type::<SetOut>()
             .register_type::<SetOutBy>()
             .register_type::<NextSpecies>()
+            .register_type::<Part>()
             .add_systems(Update, (follow_species, follow_scenarios));
     }
 
@@ -62,7 +62,8 @@ pub struct NextSpecies(pub Arc<Species>);
 /// made; a [`Garden`](crate::scenario::Garden) does that.
 ///
 /// When the asset changes, what is the same in both stays as it stands, what is new comes, what is gone goes with all
-/// that grew there, and plants whose species changed grow on as changed. Despawning it takes all of it along.
+/// that grew there, and plants whose species changed grow on as changed. Despawning it takes along all that
+/// stands; sky, ground and settings stay.
 #[derive(Component, Debug, Clone, Reflect)]
 #[reflect(Component)]
 pub struct ScenarioRoot {
@@ -95,8 +96,8 @@ enum Part {
 }
 
 /// Which of these assets have come or changed.
-fn changed<A: Asset>(events: &mut MessageReader<AssetEvent<A>>) -> HashSet<AssetId<A>> {
-    let changed = events.read().filter_map(|event| match event {
+fn changed<'a, A: Asset>(events: impl Iterator<Item = &'a AssetEvent<A>>) -> HashSet<AssetId<A>> {
+    let changed = events.filter_map(|event| match event {
         AssetEvent::Added { id } | AssetEvent::Modified { id } => Some(*id),
         _ => None,
     });
@@ -110,7 +111,7 @@ fn follow_species(
     assets: Res<Assets<Species>>,
     plants: Query<(Entity, Ref<SpeciesRoot>, Option<&Plant>)>,
 ) {
-    let changed = changed(&mut events);
+    let changed = changed(events.read());
     // Plants of one kind share it.
     let mut shared: HashMap<AssetId<Species>, Arc<Species>> = HashMap::new();
     for (entity, root, plant) in &plants {
@@ -143,13 +144,7 @@ fn follow_scenarios(
     roots: &mut QueryState<(Entity, Ref<ScenarioRoot>)>,
     mut reader: Local<bevy::ecs::message::MessageCursor<AssetEvent<ResolvedScenario>>>,
 ) {
-    let changed: HashSet<AssetId<ResolvedScenario>> = reader
-        .read(world.resource::<Messages<AssetEvent<ResolvedScenario>>>())
-        .filter_map(|event| match event {
-            AssetEvent::Added { id } | AssetEvent::Modified { id } => Some(*id),
-            _ => None,
-        })
-        .collect();
+    let changed = changed(reader.read(world.resource::<Messages<AssetEvent<ResolvedScenario>>>()));
     let due: Vec<(Entity, ScenarioRoot)> = roots
         .iter(world)
         .filter(|(_, root)| root.is_changed() || changed.contains(&root.scenario.id()))
@@ -167,10 +162,7 @@ fn follow_scenarios(
 /// Makes the world what a scenario says, with as little change as can be.
 fn set_out(world: &mut World, root: Entity, resolved: &ResolvedScenario, seed: u64) {
     let scenario = &resolved.scenario;
-    world.insert_resource(scenario.sky);
-    world.insert_resource(Ground(scenario.ground.then_some(0.0)));
-    world.insert_resource(scenario.mechanisms);
-    world.insert_resource(scenario.sensing);
+    place::set_conditions(world, scenario);
     let mut wanted = parts(scenario);
     let species: HashMap<&str, Arc<Species>> =
         resolved.species.iter().map(|(name, species)| (name.as_str(), Arc::new(species.clone()))).collect();
@@ -205,9 +197,7 @@ fn set_out(world: &mut World, root: Entity, resolved: &ResolvedScenario, seed: u
             },
             Part::Solid(solid) => place::set_solid(world, solid),
             Part::Lamp(lamp) => place::set_lamp(world, lamp),
-            Part::Sun(sun) => {
-                world.spawn((Sun { strength: sun.strength }, Transform::from_rotation(sun.rotation()))).id()
-            }
+            Part::Sun(sun) => place::raise_sun(world, sun),
         };
         let is_solid = matches!(part, Part::Solid(_));
         world.entity_mut(entity).insert((part, <SetOutBy as Relationship>::from(root)));

@@ -36,8 +36,8 @@ pub struct Grow {
     #[arg(long)]
     timelapse: bool,
 
-    /// Also draw a picture of every step, step_0000.png and so on, into a new folder; of more than 120 steps every
-    /// second or fourth.
+    /// Also draw a picture of every step, step_0000.png and so on, into a new folder; of long runs or large gardens
+    /// only every second, fourth and so on.
     #[arg(long, value_name = "DIR")]
     frames: Option<PathBuf>,
 
@@ -196,7 +196,9 @@ impl Grow {
             )));
         }
         if let Some(frames) = &self.frames {
-            if folder.holds(frames, &names) || self.save.as_ref() == Some(frames) {
+            let under_save =
+                self.save.as_ref().is_some_and(|save| output::whole(frames).starts_with(output::whole(save)));
+            if folder.holds(frames, &names) || under_save {
                 return Err(Failure::Usage(format!(
                     "{} is taken by the run's own files; choose another --frames",
                     frames.display()
@@ -239,10 +241,6 @@ impl Grow {
             let settings = GlbSettings { level: Some(*level), ..settings };
             save_glb(&harvest.snapshot, settings, &folder.file(name))?;
         }
-        if self.animate {
-            film.end(growing.garden.snapshot());
-            film.save(self.triangles.map(|n| n as usize), &workers, &folder.file("growth.glb"))?;
-        }
         if self.obj {
             save_obj(&harvest.snapshot, &folder.file("tree.obj"))?;
             folder.file("tree.mtl");
@@ -266,6 +264,11 @@ impl Grow {
         }
         if let Some(path) = &self.save {
             SavedRun::new(growing.run.clone(), growing.garden.save()).write(path)?;
+        }
+        // Last, for it may be too detailed.
+        if self.animate {
+            film.end(growing.garden.snapshot());
+            film.save(self.triangles.map(|n| n as usize), &workers, &folder.file("growth.glb"))?;
         }
 
         let likeness = again.as_ref().map(|hashes| hashes.compare(&growing.run.hashes));

@@ -90,14 +90,16 @@ fn tempfile_in(folder: &Path) -> std::io::Result<()> {
     std::fs::remove_file(probe)
 }
 
+/// A path from the root, told by its parts: `o/` is `o`.
+pub fn whole(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()).components().collect()
+}
+
 impl Folder {
-    /// Whether a path is its own, or that of one of these files in it.
+    /// Whether a path is its own, or leads to one of these files in it or below one.
     pub fn holds(&self, path: &Path, names: &[&str]) -> bool {
-        let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-        // A path is told by its parts: `o/` is `o`.
-        let path = whole(path).components().collect::<PathBuf>();
-        let own = std::iter::once(self.path.clone()).chain(names.iter().map(|name| self.path.join(name)));
-        own.map(|own| whole(&own).components().collect::<PathBuf>()).any(|own| own == path)
+        let (path, own) = (whole(path), whole(&self.path));
+        path == own || names.iter().any(|name| path.starts_with(own.join(name)))
     }
 
     /// Makes the folder, and makes sure that it can be written to.

@@ -232,6 +232,15 @@ impl SolidShape {
         }
     }
 
+    /// Half the box around it, along its own axes, metres.
+    pub fn half_size(&self) -> Vec3 {
+        match *self {
+            Self::Box { size } => 0.5 * size.abs(),
+            Self::Ball { radius } => Vec3::splat(radius.abs()),
+            Self::Cylinder { radius, height } => Vec3::new(radius, 0.5 * height, radius).abs(),
+        }
+    }
+
     /// Radius of a ball about its centre that holds all of it, metres.
     pub fn bound(&self) -> f32 {
         match *self {

@@ -40,7 +40,7 @@ pub struct GlbSettings {
 /// A level of detail.
 ///
 /// Each is a file of its own, as every engine takes them: several in one file would lie upon each other in a viewer.
-/// Nodes and meshes end in `_LOD` and the number, by which importers tell what belongs together.
+/// Plants' nodes and meshes end in `_LOD` and the number, by which importers tell what belongs together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Level {
     /// Its number, 0 the finest.
@@ -77,7 +77,7 @@ pub fn save_glb(snapshot: &Snapshot, settings: GlbSettings, path: &Path) -> Resu
     to_file(path, |writer| write_glb(snapshot, settings, writer))
 }
 
-/// Writes the shape of each plant; `suffix` goes behind the names of nodes and meshes.
+/// Writes the shape of each plant; `suffix` goes behind the names of plants' nodes and of meshes.
 fn write_shapes(
     snapshot: &Snapshot,
     shapes: Vec<Shape>,

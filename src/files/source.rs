@@ -75,7 +75,8 @@ impl<'a> Source<'a> {
     pub fn check(&self) -> Result<(), FileError> {
         let mut depth = 0usize;
         let mut any = false;
-        for token in Tokens::new(self.text) {
+        let mut tokens = Tokens::new(self.text);
+        for token in tokens.by_ref() {
             any = true;
             match token.kind {
                 Kind::Open(_) => depth += 1,
@@ -91,9 +92,7 @@ impl<'a> Source<'a> {
         }
         let what = match self.text.trim() {
             "" => "the file is empty",
-            comments if comments.contains("/*") && !comments.contains("*/") => {
-                "a `/*` is never closed by `*/`"
-            }
+            _ if tokens.unclosed => "a `/*` is never closed by `*/`",
             _ => "the file holds nothing but comments",
         };
         Err(FileError::Syntax {
@@ -327,11 +326,13 @@ struct Token {
 struct Tokens<'a> {
     bytes: &'a [u8],
     position: usize,
+    /// Whether the last comment has no end.
+    unclosed: bool,
 }
 
 impl<'a> Tokens<'a> {
     fn new(text: &'a str) -> Self {
-        Self { bytes: text.as_bytes(), position: 0 }
+        Self { bytes: text.as_bytes(), position: 0, unclosed: false }
     }
 
     fn byte(&self, ahead: usize) -> Option<u8> {
@@ -362,6 +363,7 @@ impl<'a> Tokens<'a> {
                         break;
                     }
                 }
+                self.unclosed = depth > 0;
                 true
             }
             _ => false,

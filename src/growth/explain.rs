@@ -156,10 +156,11 @@ pub fn explain_in(
     let i = shot.index_of(birth)?;
     let species = shot.plants.get(shot.plant[i] as usize)?.as_ref()?.species.clone();
     let looks = around.mechanisms.light || around.mechanisms.space;
-    let lookouts = Lookouts::of(shot, &around.sensing, around.mechanisms);
-    let sight = lookouts.read[i].filter(|_| looks).map(|here| {
+    let lookouts = looks.then(|| Lookouts::of(shot, &around.sensing, around.mechanisms));
+    let sight = lookouts.and_then(|lookouts| {
+        let here = lookouts.read[i]?;
         let through = Some(lookouts.organs[here]).filter(|organ| *organ != i).map(|organ| shot.birth[organ]);
-        Sight { through, ..sight(shot, i, around, tracer, lookouts.requests[here].clone()) }
+        Some(Sight { through, ..sight(shot, i, around, tracer, lookouts.requests[here].clone()) })
     });
     Some(Explanation {
         step: shot.step,

@@ -6,7 +6,7 @@ use super::shoots::{full_energy, plan};
 use super::sprouts::{at_most, sprouts};
 use super::{Mechanisms, generation::first_shoot_cost};
 use crate::plant::{
-    Allotment, BranchOrder, EnergyStore, LateralBud, LateralBudState, OrganKind, Plant, Roster,
+    Allotment, BranchOrder, EnergyLedger, EnergyStore, LateralBud, LateralBudState, OrganKind, Plant, Roster,
 };
 use crate::species::Species;
 
@@ -38,12 +38,9 @@ pub fn next_step(world: &World) -> usize {
         .map(|plant| plant.and_then(|plant| world.get::<Plant>(plant)).map(|plant| &*plant.species))
         .collect();
     let mut most = 0_usize;
-    let mut held = vec![0.0_f64; roster.plants.len()];
     for i in 0..roster.len() {
         let Some(species) = species[roster.plant[i] as usize] else { continue };
         let entity = roster.entity[i];
-        held[roster.plant[i] as usize] +=
-            world.get::<Allotment>(entity).map_or(0.0, |held| f64::from(held.0));
         let awake = match roster.kind[i] {
             OrganKind::ApicalBud => true,
             OrganKind::LateralBud => {
@@ -63,13 +60,15 @@ pub fn next_step(world: &World) -> usize {
             most = most.saturating_add(1).saturating_add(borne_by_bud(species, order, energy));
         }
     }
-    for ((plant, species), held) in roster.plants.iter().zip(&species).zip(held) {
+    for (plant, species) in roster.plants.iter().zip(&species) {
         let store = plant.and_then(|plant| world.get::<EnergyStore>(plant));
         if let (Some(species), Some(EnergyStore { germinated: None, .. })) = (species, store) {
             let energy = if mechanisms.energy { first_shoot_cost(species) } else { full_energy(species, 0) };
             most = most.saturating_add(1).saturating_add(borne_by_bud(species, 0, energy));
         } else if let (Some(species), Some(store), true) = (species, store, mechanisms.energy) {
-            most = most.saturating_add(at_most(sprouts(species, store.stored, held)));
+            let closed =
+                plant.and_then(|plant| world.get::<EnergyLedger>(plant)).map_or(0.0, |ledger| ledger.closed);
+            most = most.saturating_add(at_most(sprouts(species, store.stored, closed - store.stored)));
         }
     }
     most

@@ -1,6 +1,6 @@
 //! What a plant gives up: liabilities in a shortage (`LK-11`) and side axes that earn too little for their wood.
 
-use bevy::platform::collections::HashSet;
+use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
 
 use super::generation::Condemned;
@@ -66,6 +66,14 @@ pub fn branches(accounts: &[Account]) -> Vec<Branch> {
     sums
 }
 
+/// An organ and all it grows from, down to the base of its plant.
+fn down_from(accounts: &[Account], organ: usize) -> impl Iterator<Item = usize> {
+    core::iter::successors(Some(organ), |&at| match accounts[at].parent {
+        NO_PARENT => None,
+        parent => Some(parent as usize),
+    })
+}
+
 /// The liabilities of one plant to shed so that `deficit` is met: lowest income per upkeep first, ties by birth,
 /// leaves or whole branches, at most `most` organs. `mine` are the plant's organs, rising.
 pub fn to_shed(accounts: &[Account], sums: &[Branch], mine: &[usize], deficit: f64, most: u32) -> Vec<usize> {
@@ -84,19 +92,7 @@ pub fn to_shed(accounts: &[Account], sums: &[Branch], mine: &[usize], deficit: f
         if freed >= deficit {
             break;
         }
-        let covered = {
-            let mut at = i;
-            loop {
-                if gone.contains(&at) {
-                    break true;
-                }
-                match accounts[at].parent {
-                    NO_PARENT => break false,
-                    parent => at = parent as usize,
-                }
-            }
-        };
-        if covered || count + sums[i].organs > most {
+        if down_from(accounts, i).any(|at| gone.contains(&at)) || count + sums[i].organs > most {
             continue;
         }
         gone.insert(i);
@@ -111,18 +107,24 @@ pub fn to_shed(accounts: &[Account], sums: &[Branch], mine: &[usize], deficit: f
 /// the poorest first, and what stays has more light.
 pub const MOST_GIVEN_UP: f64 = 0.25;
 
-/// Which of a plant's poor side axes go in this step: the poorest first, ties by birth, as long as all of them
-/// together earn no more than [`MOST_GIVEN_UP`] of `income`.
-pub fn given_up(sums: &[Branch], mut poor: Vec<usize>, income: f64) -> Vec<usize> {
+/// Which of a plant's poor side axes go in this step: the poorest first, ties by birth, as long as all that goes earns
+/// no more than [`MOST_GIVEN_UP`] of `income`. An axis on one that goes is not named, and counts once.
+pub fn given_up(accounts: &[Account], sums: &[Branch], mut poor: Vec<usize>, income: f64) -> Vec<usize> {
     let each = |i: usize| sums[i].income / f64::from(sums[i].internodes.max(1));
     poor.sort_by(|&a, &b| each(a).total_cmp(&each(b)).then(a.cmp(&b)));
     let mut left = MOST_GIVEN_UP * income;
+    let mut gone = HashSet::new();
+    // Of what limbs earn, what has gone with axes on them.
+    let mut lost: HashMap<usize, f64> = HashMap::new();
     poor.retain(|&i| {
-        let goes = sums[i].income <= left;
-        if goes {
-            left -= sums[i].income;
+        let earns = sums[i].income - lost.get(&i).copied().unwrap_or_default();
+        if earns > left || down_from(accounts, i).any(|at| gone.contains(&at)) {
+            return false;
         }
-        goes
+        left -= earns;
+        gone.insert(i);
+        down_from(accounts, i).for_each(|at| *lost.entry(at).or_default() += earns);
+        true
     });
     poor
 }
@@ -190,7 +192,7 @@ pub fn shed_liabilities(
                     out_of_patience.push(i);
                 }
             }
-            for i in given_up(&sums, out_of_patience, ledger.income) {
+            for i in given_up(&accounts, &sums, out_of_patience, ledger.income) {
                 condemned.0.push((roster.birth[i], Cause::SelfPruned));
             }
         }

@@ -7,8 +7,8 @@
 //! others'                          look around ───────▶
 //! ```
 //!
-//! [`GrowthStep`] runs once a step whether in parts or whole, systems of the host's own included, in
-//! the same order: every system is asked whether it is its turn.
+//! [`GrowthStep`] runs once a step whether in parts or whole, systems of the host's own included, in the same order:
+//! every system is asked whether it is its turn.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::JoinHandle;
@@ -27,7 +27,6 @@ use bevy::prelude::*;
 use indexmap::IndexSet;
 
 use super::finish::StageTimes;
-use super::nodes::FreshNodes;
 use super::sensing::{SensingJob, Survey, choose_growth_targets, gather_probes, render_cube_maps};
 use super::{GrowthStep, generation::ensure_workers};
 use crate::environment::workers::Workers;
@@ -120,7 +119,7 @@ pub fn grow_in_parts(world: &mut World, budget: Duration) -> PartOfStep {
     let under_way = parts.is_under_way();
     parts.until = Some(Instant::now() + budget);
     if under_way {
-        drop_the_missing(world);
+        shed_missing(world);
     }
     world.run_schedule(GrowthStep);
     let mut parts = world.resource_mut::<StepParts>();
@@ -135,21 +134,15 @@ pub fn grow_in_parts(world: &mut World, budget: Duration) -> PartOfStep {
 /// Brings a step that is under way to its end; waits for those who look around.
 pub fn finish_step(world: &mut World) {
     if world.get_resource::<StepParts>().is_some_and(StepParts::is_under_way) {
-        drop_the_missing(world);
+        shed_missing(world);
         world.run_schedule(GrowthStep);
     }
 }
 
-/// Between two parts the host may have despawned what the next counts on.
-fn drop_the_missing(world: &mut World) {
-    shed_missing(world);
-    world.resource_scope(|world, mut fresh: Mut<FreshNodes>| {
-        fresh.0.retain(|node| world.entities().contains(node.bud));
-    });
-}
-
 /// Begins to look around; in parts, on other threads.
 pub(super) fn begin_to_look(world: &mut World) {
+    // What others saw for seeds that are gone again has no reader.
+    world.resource_mut::<StepParts>().looking = None;
     if world.resource::<StepParts>().until.is_none() {
         gather_probes(world);
         return;

@@ -29,10 +29,9 @@ pub struct SensingJob {
     /// From where they look.
     #[reflect(ignore)]
     pub requests: Vec<SenseRequest>,
-    /// The entities that look, and others that read what the same index finds: buds asleep in the axil of a
-    /// leaf take their light from it.
+    /// The organs that read what is found, and at which index: some share a look ([`Lookouts`]).
     pub lookers: Vec<(Entity, usize)>,
-    /// What each found; filled by [`render_cube_maps`].
+    /// What each found; filled by [`SensingJob::look`].
     #[reflect(ignore)]
     pub found: Vec<Sensed>,
     /// How they look.

@@ -14,8 +14,8 @@ use super::vigour::internode_cost;
 use super::{Mechanisms, StepCount};
 use crate::chance::{self, Purpose};
 use crate::plant::{
-    Allotment, BranchOrder, EnergyStore, Exposure, GrowthSpan, GrowthTarget, Identity, Internode, LateralBud,
-    LateralBudState, Lineage, NO_PARENT, Node, OrganKind, Plant, Pose, Roster, pose,
+    Allotment, BranchOrder, EnergyLedger, EnergyStore, Exposure, GrowthSpan, GrowthTarget, Identity,
+    Internode, LateralBud, LateralBudState, Lineage, NO_PARENT, Node, OrganKind, Plant, Pose, Roster, pose,
 };
 use crate::species::Species;
 
@@ -65,28 +65,30 @@ pub fn sprout(
     mut roster: ResMut<Roster>,
     step: Res<StepCount>,
     mechanisms: Res<Mechanisms>,
-    plants: Query<(&Plant, &EnergyStore)>,
-    held: Query<&Allotment>,
+    plants: Query<(&Plant, &EnergyStore, &EnergyLedger)>,
     organs: Query<(&BranchOrder, Has<Node>, Option<&LateralBud>)>,
-    stems: Query<(&Identity, &BranchOrder, &Pose, &Internode)>,
+    stems: Query<(&Identity, &Pose, &Internode)>,
 ) {
     if !mechanisms.energy {
         return;
     }
-    let ready = |plant: &Option<Entity>| {
-        let (plant, store) = plants.get((*plant)?).ok()?;
-        (plant.species.sprouting > 0.0 && store.stored > 0.0).then_some((plant, store))
-    };
-    if !roster.plants.iter().any(|plant| ready(plant).is_some()) {
+    // Plants with energy left over, and how many buds it opens.
+    let ready: Vec<Option<(&Plant, f64)>> = roster
+        .plants
+        .iter()
+        .map(|plant| {
+            let (plant, store, ledger) = plants.get((*plant)?).ok()?;
+            let expected = sprouts(&plant.species, store.stored, ledger.opened - store.stored);
+            (expected > 0.0).then_some((plant, expected))
+        })
+        .collect();
+    if ready.iter().all(Option::is_none) {
         return;
     }
     let living = roster.len();
-    let mut allotted = vec![0.0_f64; roster.plants.len()];
     let mut orders = vec![0_u32; living];
     let mut state = vec![Living::Active; living];
     for i in 0..living {
-        allotted[roster.plant[i] as usize] +=
-            held.get(roster.entity[i]).map_or(0.0, |held| f64::from(held.0));
         let Ok((order, node, bud)) = organs.get(roster.entity[i]) else { continue };
         orders[i] = order.0;
         state[i] = match roster.kind[i] {
@@ -98,48 +100,36 @@ pub fn sprout(
             _ => Living::Active,
         };
     }
-    let mut wanted: Vec<f64> = roster
-        .plants
-        .iter()
-        .zip(allotted)
-        .map(|(plant, held)| {
-            ready(plant).map_or(0.0, |(plant, store)| sprouts(&plant.species, store.stored, held))
-        })
-        .collect();
-    if wanted.iter().all(|wanted| *wanted <= 0.0) {
-        return;
-    }
     let mut bare = bare_nodes(&roster.parent, &orders, &state);
     let mut nodes = vec![0_u32; roster.plants.len()];
     for i in 0..living {
         let plant = roster.plant[i] as usize;
-        bare[i] &= ready(&roster.plants[plant]).is_some_and(|(plant, _)| orders[i] < plant.species.max_order);
+        bare[i] &= ready[plant].is_some_and(|(plant, _)| orders[i] < plant.species.max_order);
         nodes[plant] += u32::from(bare[i]);
     }
-    let mut left: Vec<usize> = wanted.iter().map(|wanted| at_most(*wanted)).collect();
-    // As likely on each bare node, so that no node's draw depends on another's.
-    for (wanted, nodes) in wanted.iter_mut().zip(nodes) {
-        *wanted /= f64::from(nodes.max(1));
-    }
+    let mut left: Vec<usize> =
+        ready.iter().map(|plant| plant.map_or(0, |(_, expected)| at_most(expected))).collect();
     for i in (0..living).filter(|&i| bare[i]) {
-        let Some((plant, _)) = ready(&roster.plants[roster.plant[i] as usize]) else { continue };
-        let Ok((identity, order, place, wood)) = stems.get(roster.entity[i]) else { continue };
-        let mut rng = chance::stream(plant.seed, identity.lineage, step.0, Purpose::Sprouting);
         let mine = roster.plant[i] as usize;
-        if left[mine] == 0 || f64::from(chance::unit(&mut rng)) >= wanted[mine] {
+        let Some((plant, expected)) = ready[mine] else { continue };
+        let Ok((identity, place, wood)) = stems.get(roster.entity[i]) else { continue };
+        let mut rng = chance::stream(plant.seed, identity.lineage, step.0, Purpose::Sprouting);
+        // As likely on each bare node, so that no node's draw depends on another's.
+        let likely = expected / f64::from(nodes[mine]);
+        if left[mine] == 0 || f64::from(chance::unit(&mut rng)) >= likely {
             continue;
         }
         left[mine] -= 1;
         let species = &plant.species;
-        let attachment = leaving(TAU * chance::unit(&mut rng), species.branching_angle(order.0));
+        let attachment = leaving(TAU * chance::unit(&mut rng), species.branching_angle(orders[i]));
         let stem = pose::Stem { pose: *place, length: wood.length, radius: wood.radius };
         let newborn = Newborn {
             plant: identity.plant,
-            plant_index: roster.plant[i],
+            plant_index: mine as u32,
             from: roster.entity[i],
             parent: i as u32,
             lineage: sprout_lineage(identity.lineage, step.0),
-            order: order.0 + 1,
+            order: orders[i] + 1,
             attachment,
             pose: stem.bear(attachment, true),
             span: GrowthSpan::step(step.0),

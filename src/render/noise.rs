@@ -1,11 +1,9 @@
-//! Noise that repeats and images with their smaller copies, for the textures made here.
+//! Images that repeat, with their smaller copies, for the textures made here.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::image::{ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::prelude::*;
 use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
-
-pub(super) use crate::shape::noise::{periodic, srgb};
 
 /// A square image that repeats, of four parts in 0..1, with its smaller copies; `size` is a power of two.
 pub(super) fn tile(

@@ -232,7 +232,9 @@ fn branch(first: u32, packed: u32, world_from_local: mat4x4<f32>) -> Point {
     let around = u * TAU;
     let side = rotate(at.frame, vec3(cos(around), 0.0, -sin(around)));
     let place = (world_from_local * vec4(at.center, 1.0)).xyz;
-    out.position = at.center + side * drawn_radius(at.radius, at.chance, place);
+    // Pixels are told in the world, radii where the plant stands.
+    let scale = max(length(world_from_local[1].xyz), 1e-9);
+    out.position = at.center + side * drawn_radius(at.radius * scale, at.chance, place) / scale;
     out.normal = side;
     out.uv = vec2(u, at.along);
     let false_color = overlay(at.who, at.before, at.now, clock.time.x);

@@ -135,10 +135,7 @@ impl Garden {
         let mut world = bare_world(workers);
         world.insert_resource(SpeciesBook(species));
         world.insert_resource(RunSeed(seed));
-        world.insert_resource(scenario.sky);
-        world.insert_resource(Ground(scenario.ground.then_some(0.0)));
-        world.insert_resource(scenario.mechanisms);
-        world.insert_resource(scenario.sensing);
+        place::set_conditions(&mut world, &scenario);
         place::set_sun(&mut world, scenario.sun);
         for solid in &scenario.solids {
             apply(&mut world, &Edit::PlaceSolid(solid.clone()))?;

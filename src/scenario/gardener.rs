@@ -138,8 +138,13 @@ pub enum News {
         /// How many organs the edit shed; `None` if there was no edit, or growth has yet to come to it.
         shed: Option<usize>,
     },
-    /// Another garden has taken the place of the one before; told once it has been shown. The name of its scenario.
-    Began(String),
+    /// Another garden has taken the place of the one before; told once it has been shown.
+    Began {
+        /// The name of its scenario.
+        scenario: String,
+        /// The save it was read from, if it was.
+        save: Option<PathBuf>,
+    },
     /// The step that was sought.
     Seen(View),
     /// The step of the old course that was sought; `None` if it is not kept.

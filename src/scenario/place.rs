@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use bevy::prelude::*;
 
-use super::{EditError, PlacedLamp, PlacedSolid, PlacedSun, Planting};
-use crate::environment::{Lamp, Solid, Sun};
+use super::{EditError, PlacedLamp, PlacedSolid, PlacedSun, Planting, Scenario};
+use crate::environment::{Ground, Lamp, Solid, Sun};
 use crate::plant::Plant;
 use crate::species::Species;
 
@@ -25,6 +25,14 @@ pub(super) fn finite(field: &'static str, at: Vec3) -> Result<(), EditError> {
         return Ok(());
     }
     Err(EditError::Invalid { field, value: at.to_string(), allowed: "metres, at most 10 km from the origin" })
+}
+
+/// Makes the world's sky, ground and settings a scenario's.
+pub(crate) fn set_conditions(world: &mut World, scenario: &Scenario) {
+    world.insert_resource(scenario.sky);
+    world.insert_resource(Ground(scenario.ground.then_some(0.0)));
+    world.insert_resource(scenario.mechanisms);
+    world.insert_resource(scenario.sensing);
 }
 
 pub(crate) fn sow(world: &mut World, planting: &Planting, species: Arc<Species>, seed: u64) -> Entity {
@@ -63,8 +71,12 @@ pub(super) fn set_sun(world: &mut World, sun: Option<PlacedSun>) {
         world.despawn(entity);
     }
     if let Some(sun) = sun {
-        world.spawn((Sun { strength: sun.strength }, Transform::from_rotation(sun.rotation())));
+        raise_sun(world, &sun);
     }
+}
+
+pub(crate) fn raise_sun(world: &mut World, sun: &PlacedSun) -> Entity {
+    world.spawn((Sun { strength: sun.strength }, Transform::from_rotation(sun.rotation()))).id()
 }
 
 impl PlacedSun {

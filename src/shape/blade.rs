@@ -1,5 +1,5 @@
-//! Leaf blades: veins, and how one leaf's colour differs from the next; the same for pictures and models, and as
-//! `plants.wgsl` draws it in the window.
+//! Leaf blades: how one leaf's colour differs from the next and its midrib, for pictures and models; side veins, for
+//! models. `plants.wgsl` has its own like them.
 
 use bevy::prelude::*;
 

@@ -11,7 +11,7 @@ use smallvec::SmallVec;
 use serde::{Deserialize, Serialize};
 
 use super::outline::LeafOutline;
-use crate::chance::mix;
+use crate::chance::{mix, share};
 use crate::environment::LeafPatch;
 use crate::plant::{Lineage, Pose};
 use crate::species::Species;
@@ -138,7 +138,7 @@ impl Foliage {
         let heading = rotation * Vec3::Y;
         let frame = match self.form {
             FoliageForm::Tuft | FoliageForm::Needles => {
-                let phase = unit(mix(lineage.0)) * core::f32::consts::TAU;
+                let phase = share(mix(lineage.0)) * core::f32::consts::TAU;
                 rotation * Quat::from_xyzw(0.0, ops::sin(0.5 * phase), 0.0, ops::cos(0.5 * phase))
             }
             FoliageForm::Spray | FoliageForm::Frond => level_frame(rotation),
@@ -210,11 +210,6 @@ fn station(form: FoliageForm, i: u32, blades: u32) -> Station {
             Station { direction, along, size: (1.0 - 0.75 * (2.0 * along - 1.0).powi(2)).max(0.2) }
         }
     }
-}
-
-/// The top 24 bits as a number in 0..1.
-fn unit(bits: u64) -> f32 {
-    (bits >> 40) as f32 / (1u64 << 24) as f32
 }
 
 fn jitter(bits: u64) -> Vec3 {

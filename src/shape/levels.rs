@@ -61,13 +61,15 @@ pub fn within(snapshot: &Snapshot, triangles: usize) -> Vec<Shape> {
         return full;
     }
     let (limbs, crowns) = (limbs::of(snapshot), Crown::of(snapshot));
+    let mut known = cards::Sprays::default();
     let mut shapes = Vec::with_capacity(full.len());
     for (plant, full) in full.into_iter().enumerate() {
         // Whole numbers of more bits than any count of triangles: shares never add up to more than there are.
         let share = (triangles as u128 * full.triangles() as u128 / all as u128) as usize;
         let for_wood = full.wood.triangles().min((share as f32 * WOOD_SHARE) as usize);
+        let for_leaves = share - for_wood;
         let (leaves, sprays) =
-            cards::within(snapshot, plant as u32, crowns[plant], &full.leaves, share - for_wood);
+            cards::within(snapshot, plant as u32, crowns[plant], &full.leaves, for_leaves, &mut known);
         let room = share - leaves.triangles();
         let wood = if full.wood.triangles() <= room {
             full.wood

@@ -6,7 +6,7 @@ use super::bark::Bark;
 use super::texture::{bark_tint, leaf_tint};
 use super::tubes::Axes;
 use super::{Place, Surface};
-use crate::chance::mix;
+use crate::chance::{mix, share};
 use crate::plant::{NO_PARENT, OrganState, Snapshot};
 
 /// What colours of vertices are looked up in, made once a snapshot.
@@ -28,7 +28,7 @@ impl<'a> Paint<'a> {
         let axes = Axes::of(snapshot);
         let mut phase = vec![0.0; snapshot.len()];
         for &start in &axes.starts {
-            let own = unit(mix(snapshot.lineage[start as usize].0));
+            let own = share(mix(snapshot.lineage[start as usize].0));
             for i in axes.walk(start) {
                 phase[i as usize] = own;
             }
@@ -62,7 +62,7 @@ impl<'a> Paint<'a> {
         };
         let Some(own) = radius(i) else {
             let chance = mix(self.snapshot.lineage.get(i).map_or(0, |lineage| lineage.0) ^ 0x1EAF);
-            return leaf_tint(unit(chance) - 0.5, unit(mix(chance)) - 0.5);
+            return leaf_tint(share(chance) - 0.5, share(mix(chance)) - 0.5);
         };
         let below = radius(self.snapshot.parent[i] as usize).unwrap_or(own);
         let bark = self.bark.get(self.snapshot.plant[i] as usize).copied().flatten();
@@ -96,9 +96,4 @@ impl<'a> Paint<'a> {
             _ => [self.phase.get(below).copied().unwrap_or(0.0), sway_below, place.along.clamp(0.0, 1.0)],
         }
     }
-}
-
-/// The top 24 bits as a number in 0..1.
-fn unit(bits: u64) -> f32 {
-    (bits >> 40) as f32 / (1u64 << 24) as f32
 }

@@ -29,9 +29,9 @@ impl Default for Framing {
 }
 
 /// Opening of the camera, radians from bottom to top.
-const FOV: f32 = 0.7;
+pub(super) const FOV: f32 = 0.7;
 /// How far the camera looks down on a garden at first, radians.
-const PITCH: f32 = 0.16;
+pub(super) const PITCH: f32 = 0.16;
 
 pub(super) fn spawn_camera(mut commands: Commands, mut egui: ResMut<EguiGlobalSettings>) {
     egui.auto_create_primary_context = false;
@@ -132,10 +132,13 @@ pub(super) fn frame(
         }
     }
     let (Some(view), Ok(window)) = (&shown.view, windows.single()) else { return };
-    if !framing.follows || !room.is_known() {
+    if !room.is_known() {
         return;
     }
     let anew = framing.seen.replace(course.began) != Some(course.began);
+    if !framing.follows {
+        return;
+    }
     if anew {
         let yaw = yaw(&view.shot, &view.standing, PITCH);
         (camera.yaw, camera.target_yaw) = (Some(yaw), yaw);

@@ -9,6 +9,7 @@ use egui_file_dialog::{DialogState, FileDialog, OpeningMode};
 
 use super::act::Action;
 use super::leave::{free, plain};
+use super::panels::Panels;
 use super::state::{Course, Toasts};
 use super::why::inspector::{Answers, Tab};
 use crate::assets::FileKind;
@@ -60,8 +61,6 @@ pub struct Files {
     folder: PathBuf,
     /// The file the garden was saved to or came from.
     garden: Option<PathBuf>,
-    /// A file that is being opened.
-    opening: Option<PathBuf>,
     /// Which garden `garden` belongs to ([`Course::began`]).
     began: u64,
 }
@@ -78,7 +77,7 @@ impl Files {
         let config = dialog.config_mut();
         config.default_file_icon = String::new();
         config.default_folder_icon = "🗀".into();
-        Self { dialog, asked: None, folder, garden: None, opening: None, began: 0 }
+        Self { dialog, asked: None, folder, garden: None, began: 0 }
     }
 
     /// Whether the dialog is open: keys and pointer are its then.
@@ -178,18 +177,19 @@ impl Files {
             answers.species.open(path);
             return None;
         }
-        self.opening = Some(path.clone());
         Some(Action::Tell(Order::Load(path)))
     }
 }
 
-/// A path with an ending: its own, or else the given one, unless there is a file of that name already, about which
-/// nobody was asked.
+/// A path with this ending, put behind what it has. One without it that is there was chosen to be replaced; one that
+/// is only there with it was not, and is refused.
 fn ended(path: PathBuf, extension: &str) -> Result<PathBuf, String> {
-    if path.extension().is_some() {
+    if path.extension().is_some_and(|own| own == extension) || path.exists() {
         return Ok(path);
     }
-    let path = path.with_extension(extension);
+    let mut name = path.into_os_string();
+    name.push(format!(".{extension}"));
+    let path = PathBuf::from(name);
     match path.exists() {
         true => Err(format!("{} is there already; choose it to replace it", path.display())),
         false => Ok(path),
@@ -206,7 +206,7 @@ pub(super) fn ask(
     let files = files.bypass_change_detection();
     if files.began != course.began {
         files.began = course.began;
-        files.garden = files.opening.take().filter(|path| is_save(path));
+        files.garden.clone_from(&course.save);
     }
     for action in asks.read() {
         match action {
@@ -222,11 +222,32 @@ pub(super) fn dropped(
     mut drops: MessageReader<FileDragAndDrop>,
     mut files: ResMut<Files>,
     mut answers: ResMut<Answers>,
+    mut panels: ResMut<Panels>,
     mut actions: MessageWriter<Action>,
 ) {
     for drop in drops.read() {
         if let FileDragAndDrop::DroppedFile { path_buf, .. } = drop {
-            actions.write_batch(files.open(path_buf.clone(), &mut answers));
+            let action = files.open(path_buf.clone(), &mut answers);
+            panels.open |= action.is_none();
+            actions.write_batch(action);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_gets_the_ending_of_its_kind_and_replaces_nothing_unasked() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        assert_eq!(ended(at("oak"), "burgeon").unwrap(), at("oak.burgeon"));
+        assert_eq!(ended(at("oak v1.2"), "burgeon").unwrap(), at("oak v1.2.burgeon"));
+        assert_eq!(ended(at("oak.burgeon"), "burgeon").unwrap(), at("oak.burgeon"));
+        std::fs::write(at("oak.burgeon"), "").unwrap();
+        assert!(ended(at("oak"), "burgeon").unwrap_err().contains("choose it"));
+        std::fs::write(at("garden"), "").unwrap();
+        assert_eq!(ended(at("garden"), "burgeon").unwrap(), at("garden"), "chosen as it is");
     }
 }

@@ -49,8 +49,9 @@ pub(super) fn follow(
                     toasts.tell(format!("{shed} organs shed"));
                 }
             }
-            News::Began(name) => {
-                course.scenario = name;
+            News::Began { scenario, save } => {
+                course.scenario = scenario;
+                course.save = save;
                 course.began += 1;
             }
             News::Seen(view) => {

@@ -6,7 +6,6 @@ use bevy::math::{Ray3d, ops};
 use bevy::prelude::*;
 
 use super::pick::pick_solid;
-use crate::environment::SolidShape;
 use crate::plant::Snapshot;
 use crate::scenario::Fixtures;
 
@@ -67,15 +66,6 @@ fn plants(shot: &Snapshot) -> Extent {
     shot.pose.iter().fold(all, |all, pose| all.union(Extent::around(pose.position, Vec3::ZERO)))
 }
 
-/// Half the size of a solid along its own axes, metres.
-fn half_size(shape: SolidShape) -> Vec3 {
-    match shape {
-        SolidShape::Box { size } => 0.5 * size.abs(),
-        SolidShape::Ball { radius } => Vec3::splat(radius),
-        SolidShape::Cylinder { radius, height } => Vec3::new(radius, 0.5 * height, radius),
-    }
-}
-
 /// What is to be seen: the plants, and what of solids and lamps is near them.
 pub(super) fn sight(shot: &Snapshot, standing: &Fixtures) -> Vec<Extent> {
     let plants = plants(shot);
@@ -83,7 +73,7 @@ pub(super) fn sight(shot: &Snapshot, standing: &Fixtures) -> Vec<Extent> {
         |reach: f32| Extent { low: plants.low - Vec3::splat(reach), high: plants.high + Vec3::splat(reach) };
     let solids = standing.solids.iter().filter_map(|solid| {
         let turn = Mat3::from_quat(solid.rotation);
-        let half = half_size(solid.thing.shape.scaled(solid.scale));
+        let half = solid.thing.shape.scaled(solid.scale).half_size();
         let reach = turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;
         Extent::around(solid.position, reach)
             .common(near((plants.high.y - plants.low.y).clamp(NEAR[0], NEAR[1])))
@@ -106,13 +96,15 @@ pub(super) fn yaw(shot: &Snapshot, standing: &Fixtures, pitch: f32) -> f32 {
         lean += to / (1.0 + to.length_squared());
     }
     for solid in &standing.solids {
-        let half = half_size(solid.thing.shape.scaled(solid.scale));
+        let half = solid.thing.shape.scaled(solid.scale).half_size();
         let own = solid.rotation.inverse() * (base + Vec3::Y - solid.position);
         let nearest = solid.position + solid.rotation * own.clamp(-half, half);
         let away = (base - nearest).with_y(0.0);
         lean += away / (0.2 + away.length_squared());
     }
-    let Some(lean) = lean.try_normalize().filter(|_| lean.length() > 0.05) else { return OPEN_YAW };
+    if lean.length() <= 0.05 {
+        return OPEN_YAW;
+    }
     let across = ops::atan2(lean.x, lean.z);
     // From the front first, should both sides be as good.
     let sides = [across - 0.5 * PI, across + 0.5 * PI];
@@ -212,8 +204,7 @@ mod tests {
     use crate::environment::workers::Workers;
     use crate::scenario::{Timeline, View};
 
-    const FOV: f32 = 0.7;
-    const PITCH: f32 = 0.16;
+    use crate::viewer::camera::{FOV, PITCH};
 
     fn begun(scenario: &str) -> View {
         let library = Library::embedded();

@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
 
 use super::act::{Action, OwnLibrary};
-use super::files::Files;
+use super::files::{Ask, Files};
 use super::keys::KEYS;
 use super::state::{Chosen, Course, Doomed, Past, Shown, Toasts, Tool};
 use super::style;
@@ -75,15 +75,17 @@ pub(super) struct Seen<'a> {
     pub doomed: usize,
     pub species: &'a [String],
     pub scenarios: &'a [String],
-    pub frames_a_second: f32,
+    pub frames_a_second: Option<f64>,
     /// What saves the garden.
     pub save: Action,
 }
 
+/// The smallest window, in width and height, that has panels at its sides, logical pixels.
+const SMALLEST: f32 = 400.0;
+
 /// Draws the panels.
 pub(super) fn draw(
     mut contexts: EguiContexts,
-    time: Res<Time<Real>>,
     shown: Res<Shown>,
     course: Res<Course>,
     past: Res<Past>,
@@ -97,16 +99,12 @@ pub(super) fn draw(
     mut actions: MessageWriter<Action>,
     mut inspector: Inspector,
     mut files: ResMut<Files>,
-    mut frame: Local<f32>,
 ) -> Result {
     let context = contexts.ctx_mut()?.clone();
     if panels.dressed != Some(panels.dark) {
         style::dress(&context, panels.dark);
         panels.dressed = Some(panels.dark);
     }
-    // The mean over about a second, however long a frame takes.
-    let delta = time.delta_secs();
-    *frame += (delta - *frame) * (1.0 - bevy::math::ops::exp(-delta));
     let (species, scenarios) = (library.0.species_names(), library.0.scenario_names());
     let seen = Seen {
         shown: &shown,
@@ -117,7 +115,7 @@ pub(super) fn draw(
         doomed: doomed.0.len(),
         species: &species,
         scenarios: &scenarios,
-        frames_a_second: 1.0 / frame.max(1e-4),
+        frames_a_second: inspector.frames_a_second(),
         save: files.save(),
     };
     let mut act = |action: Action| {
@@ -143,7 +141,8 @@ pub(super) fn draw(
         .response
         .rect
         .height();
-    if panels.open {
+    // A window smaller than its side panels would squeeze them for good.
+    if panels.open && context.viewport_rect().size().min_elem() > SMALLEST {
         let side = bar.inner_margin(egui::Margin::same(12));
         left.left = egui::Panel::left("garden")
             .frame(side)
@@ -171,7 +170,10 @@ pub(super) fn draw(
     left.right += inspector.make_room(&context, left.left, left.right, left.top, left.bottom);
     overlay(&context, &seen, &mut panels, &mut toasts, left);
     if let Some((ask, path)) = files.bypass_change_detection().show(&context) {
-        inspector.chosen(&mut files, ask, path, &mut toasts).map(&mut act);
+        let action = inspector.chosen(&mut files, ask, path, &mut toasts);
+        // A species is opened beside the scene.
+        panels.open |= ask == Ask::Open && action.is_none();
+        action.map(&mut act);
     }
     let whole = context.viewport_rect();
     let free = egui::Rect::from_min_max(

@@ -62,12 +62,12 @@ pub fn pick_solid(shape: SolidShape, place: &Transform, ray: Ray3d) -> Option<f3
     let turn = place.rotation.inverse();
     let origin = turn * (ray.origin - place.translation);
     let direction = turn * Vec3::from(ray.direction);
-    let half = match shape.scaled(place.scale) {
-        SolidShape::Ball { radius } => return hit_ball(origin, direction, radius),
-        SolidShape::Box { size } => 0.5 * size.abs(),
-        // The box around it: near enough for a pointer.
-        SolidShape::Cylinder { radius, height } => Vec3::new(radius, 0.5 * height, radius),
-    };
+    let shape = shape.scaled(place.scale);
+    if let SolidShape::Ball { radius } = shape {
+        return hit_ball(origin, direction, radius);
+    }
+    // Of a pillar the box around it: near enough for a pointer.
+    let half = shape.half_size();
     let inverse = direction.recip();
     let (a, b) = ((-half - origin) * inverse, (half - origin) * inverse);
     let (near, far) = (a.min(b).max_element(), a.max(b).min_element());

@@ -145,11 +145,6 @@ pub(super) fn drag(
 
 /// Height at which a solid stands on the ground, if it is nearly there.
 fn snapped(solid: &Solid, place: &Transform) -> f32 {
-    use crate::environment::SolidShape;
-    let half = match solid.shape.scaled(place.scale) {
-        SolidShape::Box { size } => 0.5 * size.y,
-        SolidShape::Ball { radius } => radius,
-        SolidShape::Cylinder { height, .. } => 0.5 * height,
-    };
+    let half = solid.shape.scaled(place.scale).half_size().y;
     if (place.translation.y - half).abs() < 0.15 { half } else { f32::NEG_INFINITY }
 }

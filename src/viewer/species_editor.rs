@@ -47,10 +47,11 @@ pub struct SpeciesEditor {
 impl SpeciesEditor {
     /// Reads the watched file again if it has changed; a bad one keeps the old species and shows its error.
     pub fn watch(&mut self, now: Instant, orders: &mut Vec<Order>) {
-        let Some(file) = &mut self.file else { return };
-        let Some(read) = file.changed(now) else { return };
-        match (read, &mut self.draft) {
-            (Ok(species), Some(draft)) => {
+        // A file opened before there was anything to compare it with waits.
+        let (Some(file), Some(draft)) = (&mut self.file, &mut self.draft) else { return };
+        match file.changed(now) {
+            None => {}
+            Some(Ok(species)) => {
                 self.error = None;
                 draft.take_over(&species);
                 if let Some(order) = draft.order(self.when) {
@@ -58,8 +59,7 @@ impl SpeciesEditor {
                     orders.push(order);
                 }
             }
-            (Ok(_), None) => {}
-            (Err(bad), _) => {
+            Some(Err(bad)) => {
                 self.done = None;
                 self.error = Some(bad.to_string());
             }
@@ -117,29 +117,23 @@ impl SpeciesEditor {
                 .on_hover_text("What lag and compensation ratio make of an error");
         });
         let Some(draft) = &mut self.draft else { return };
+        if self.page == Page::Parameters {
+            if !draft.now().description.is_empty() {
+                ui.label(RichText::new(&draft.now().description).small().weak());
+            }
+            ui.horizontal(|ui| {
+                ui.add(egui::TextEdit::singleline(&mut self.filter).hint_text("Find").desired_width(120.0));
+                ui.checkbox(&mut self.only_changed, "changed only");
+            });
+        }
         let height = (ui.available_height() - 130.0).max(140.0);
-        let refused = match self.page {
-            Page::Parameters => {
-                if !draft.now().description.is_empty() {
-                    ui.label(RichText::new(&draft.now().description).small().weak());
-                }
-                ui.horizontal(|ui| {
-                    ui.add(
-                        egui::TextEdit::singleline(&mut self.filter).hint_text("Find").desired_width(120.0),
-                    );
-                    ui.checkbox(&mut self.only_changed, "changed only");
-                });
-                let height = (ui.available_height() - 130.0).max(140.0);
-                let scroll = egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-                scroll.show(ui, |ui| rows(ui, draft, &self.filter, self.only_changed)).inner
-            }
-            Page::Steering => {
-                let scroll = egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
-                scroll.show(ui, |ui| meter::show(ui, draft)).inner
-            }
-        };
-        if let Err(why) = refused {
-            self.error = Some(why.to_string());
+        let scroll = egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+        let set = scroll.show(ui, |ui| match self.page {
+            Page::Parameters => rows(ui, draft, &self.filter, self.only_changed),
+            Page::Steering => meter::show(ui, draft),
+        });
+        if let Some(set) = set.inner {
+            self.error = set.err().map(|why| why.to_string());
         }
         ui.separator();
         self.apply(ui, orders);
@@ -210,14 +204,14 @@ impl SpeciesEditor {
     }
 }
 
-/// A row for every parameter that is wanted. An error is a value that is not allowed.
+/// A row for every parameter that is wanted; what came of setting one, an error if the value is not allowed.
 fn rows(
     ui: &mut egui::Ui,
     draft: &mut Draft,
     filter: &str,
     only_changed: bool,
-) -> Result<(), ParameterError> {
-    let mut taken = Ok(());
+) -> Option<Result<(), ParameterError>> {
+    let mut set = None;
     let filter = filter.trim().to_lowercase();
     egui::Grid::new("parameters").num_columns(3).striped(true).spacing([8.0, 3.0]).show(ui, |ui| {
         for row in Species::parameters() {
@@ -242,7 +236,7 @@ fn rows(
                 }
             });
             if new != value {
-                taken = draft.set(row.name, &new);
+                set = Some(draft.set(row.name, &new));
             }
             if changed {
                 if ui.small_button("↺").on_hover_text("As it is now").clicked() {
@@ -254,7 +248,7 @@ fn rows(
             ui.end_row();
         }
     });
-    taken
+    set
 }
 
 /// What a parameter is, its unit, range and default.

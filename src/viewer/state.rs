@@ -2,6 +2,8 @@
 
 use std::time::{Duration, Instant};
 
+use std::path::PathBuf;
+
 use bevy::prelude::*;
 
 use crate::plant::measure::StepRecord;
@@ -38,6 +40,8 @@ pub struct Course {
     pub records: Vec<StepRecord>,
     /// Name of the scenario.
     pub scenario: String,
+    /// The save the garden came from, if it did.
+    pub save: Option<PathBuf>,
     /// Counts the gardens that took the place of another.
     pub began: u64,
     /// Whether growth has stopped at a limit or an edit that cannot be made.

@@ -130,9 +130,34 @@ fn a_plant_gives_up_a_quarter_of_its_income_a_step_with_its_poor_axes_and_no_mor
     );
 }
 
+#[test]
+fn an_axis_on_a_limb_that_is_given_up_counts_once() {
+    use liabilities::{Account, branches, given_up};
+    let stem = |parent, begins_axis, income| Account {
+        parent,
+        kind: OrganKind::Internode,
+        begins_axis,
+        income,
+        upkeep: 0.0,
+        sensed: true,
+    };
+    // A trunk with a limb that bears the poorest axis of all, and another limb.
+    let trunk = burgeon::plant::NO_PARENT;
+    let accounts = [stem(trunk, false, 14.0), stem(0, true, 2.0), stem(1, true, 1.0), stem(0, true, 2.5)];
+    let sums = branches(&accounts);
+    // A quarter of 20: 1 for the axis, 2 more for its limb, but no 2.5 for the other.
+    assert_eq!(given_up(&accounts, &sums, vec![1, 2, 3], 20.0), [2, 1]);
+    // Of 24 all of them.
+    assert_eq!(given_up(&accounts, &sums, vec![1, 2, 3], 24.0), [2, 1, 3]);
+    // With a limb goes what it bears.
+    let accounts = [stem(trunk, false, 14.0), stem(0, true, 0.0), stem(1, true, 1.0)];
+    assert_eq!(given_up(&accounts, &branches(&accounts), vec![1, 2], 20.0), [1]);
+}
+
 /// A cut-back trunk of bare nodes with energy in store: how many buds open on it.
 fn sprouted(species: Species, stored: f64) -> Vec<u32> {
     let mut nursery = Nursery::new(species).store(stored);
+    nursery.set(nursery.plant, EnergyLedger { opened: stored, ..default() });
     let mut below = None;
     for _ in 0..50 {
         below = Some(nursery.stem(below, 0.2));
@@ -161,6 +186,7 @@ fn sprout_leaves_a_plant_alone_whose_buds_hold_what_it_has() {
     let trunk = nursery.stem(None, 0.2);
     let trunk = nursery.stem(Some(trunk), 0.2);
     nursery.apical_bud(Some(trunk), 1.0, 50.0);
+    nursery.set(nursery.plant, EnergyLedger { opened: 100.0, ..default() });
     nursery.run(sprouts::sprout);
     assert!(nursery.all(OrganKind::LateralBud).is_empty());
 }

@@ -229,7 +229,9 @@ fn a_branch_cut_twice_at_one_step_is_cut_once() {
     let first = cut(&timeline);
     timeline.edit(3, first.clone()).unwrap();
     catch_up(&mut timeline);
-    let _ = timeline.edit(3, first);
+    let cut_once = (*timeline.shot(4).unwrap()).clone();
+    timeline.edit(3, first).unwrap();
     catch_up(&mut timeline);
+    assert_eq!(*timeline.shot(4).unwrap(), cut_once);
     assert_as_afresh(&timeline);
 }

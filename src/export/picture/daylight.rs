@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 use super::noise::{rough, smooth};
 use crate::environment::Scene;
+use crate::shape::noise::srgb;
 
 /// The picture's one hard light: the sun, or a soft light that stands in for it.
 #[derive(Debug, Clone, Copy)]
@@ -130,9 +131,5 @@ impl Daylight {
 
 /// Linear RGB 0..1 as a pixel.
 pub(super) fn encode(linear: Vec3) -> [u8; 3] {
-    linear.to_array().map(|c| {
-        let c = c.clamp(0.0, 1.0);
-        let c = if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * ops::powf(c, 1.0 / 2.4) - 0.055 };
-        (c * 255.0 + 0.5) as u8
-    })
+    linear.to_array().map(|c| (srgb(c) * 255.0 + 0.5) as u8)
 }

@@ -196,5 +196,5 @@ fn above(index: &[u32], parent: u32) -> u32 {
 
 /// A number in 0..1 that belongs to a lineage.
 pub(super) fn unit(lineage: Lineage) -> f32 {
-    (crate::chance::mix(lineage.0 ^ 0x5EED_FA11) >> 40) as f32 / (1u64 << 24) as f32
+    crate::chance::share(crate::chance::mix(lineage.0 ^ 0x5EED_FA11))
 }

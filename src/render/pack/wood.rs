@@ -184,7 +184,7 @@ fn rings(union: &Union, chain: &[usize], state: usize, axes: &Axes, into: &mut V
     }
 }
 
-/// The number of an axis, which stays as it grows: the greater, the sooner it is left out at a distance. A stem never is.
+/// The number of an axis, which stays as it grows: the greater, the sooner it is left out at a distance; a stem last.
 fn chance(union: &Union, chain: &[usize]) -> f32 {
     if union.order(chain[0]) == 0 { 0.0 } else { unit(union.lineage(chain[0])) }
 }

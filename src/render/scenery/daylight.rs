@@ -9,7 +9,7 @@ use bevy::render::render_resource::{
 use half::f16;
 
 use crate::environment::{Lamp, Sky, Sun};
-use crate::render::noise::periodic;
+use crate::shape::noise::{periodic, smooth};
 
 /// The light of sky and sun, a resource kept in line with [`Sky`], [`Sun`] and [`Lamp`]s by
 /// [`SceneryPlugin`](super::SceneryPlugin).
@@ -198,12 +198,6 @@ pub(super) fn follow_light(
         suns.iter().map(|(sun, at)| (at.rotation * Vec3::Z, sun.strength)).max_by(|a, b| a.1.total_cmp(&b.1));
     let lamps: Vec<Lamp> = lamps.iter().copied().collect();
     daylight.set_if_neq(Daylight::of(&sky, sun, &lamps));
-}
-
-/// From 0 at `a` to 1 at `b`, smoothly.
-fn smooth(a: f32, b: f32, x: f32) -> f32 {
-    let t = ((x - a) / (b - a)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 
 use crate::chance::mix;
-use crate::render::noise::periodic;
+use crate::shape::noise::periodic;
 
 /// Blades of a patch.
 const BLADES: u64 = 40_000;

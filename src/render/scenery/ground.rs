@@ -9,7 +9,8 @@ use bevy::render::render_resource::TextureFormat;
 
 use super::grass;
 use crate::environment::Ground;
-use crate::render::noise::{periodic, srgb, tile};
+use crate::render::noise::tile;
+use crate::shape::noise::{periodic, srgb};
 
 /// Half the side of the ground, metres.
 const REACH: f32 = 320.0;

@@ -5,7 +5,8 @@ use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 
 use crate::environment::{Solid, SolidShape};
-use crate::render::noise::{periodic, srgb, tile};
+use crate::render::noise::tile;
+use crate::shape::noise::{periodic, srgb};
 
 /// Width and height of a tile of masonry: four stones by eight courses, metres.
 const TILE: [f32; 2] = [1.76, 1.60];

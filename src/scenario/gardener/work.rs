@@ -187,7 +187,7 @@ impl Work {
             Order::Begin(resolved, seed) => {
                 let timeline =
                     Timeline::new(*resolved, seed, self.timeline.library(), self.timeline.workers())?;
-                self.take_up(timeline);
+                self.take_up(timeline, None);
             }
             Order::Load(path) => self.load(&path)?,
             Order::LoadCode(code) => self.take_up_shared(SharedTree::from_code(&code)?)?,
@@ -317,7 +317,7 @@ impl Work {
         let (library, workers) = (self.timeline.library(), self.timeline.workers());
         if is_save(path) {
             let timeline = Timeline::resume(SavedRun::read(path)?, library, workers)?;
-            self.take_up(timeline);
+            self.take_up(timeline, Some(path));
             return Ok(());
         }
         // With its folder it is a path, whatever its name.
@@ -332,15 +332,16 @@ impl Work {
     fn take_up_shared(&mut self, shared: SharedTree) -> Result<(), GardenerError> {
         let (library, workers) = (self.timeline.library(), self.timeline.workers());
         let timeline = Timeline::from_shared(shared, library, workers)?;
-        self.take_up(timeline);
+        self.take_up(timeline, None);
         Ok(())
     }
 
-    fn take_up(&mut self, mut timeline: Timeline) {
+    fn take_up(&mut self, mut timeline: Timeline, save: Option<&Path>) {
         timeline.adopt_settings(&self.timeline);
         self.timeline = timeline;
         self.change(None);
-        self.tell(News::Began(self.timeline.scenario().name));
+        let scenario = self.timeline.scenario().name;
+        self.tell(News::Began { scenario, save: save.map(Path::to_path_buf) });
     }
 
     fn write(&self, path: &Path, text: &str) -> Result<(), GardenerError> {

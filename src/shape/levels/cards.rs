@@ -1,20 +1,38 @@
 //! Leaves as fewer and larger cards of the same area.
 
+use std::sync::Arc;
+
 use bevy::math::ops;
 use bevy::prelude::*;
 
-use crate::chance::mix;
+use crate::chance::{mix, share};
 use crate::plant::{OrganState, Snapshot};
 use crate::shape::crown::Crown;
 use crate::shape::foliage::{Blade, Foliage};
 use crate::shape::leaves::round_normals;
 use crate::shape::texture::spray;
 use crate::shape::{Place, Surface};
+use crate::species::Species;
 
 /// Leaves a card must stand for on average before cards are sprays.
 const SPRAY_FROM: usize = 4;
 /// Most a spray turns about its length, radians: leaves lie level, and a crown of level cards is thin from the side.
 const TURN: f32 = 1.0;
+
+/// How much of a spray its leaves cover, by species: it takes a picture of one to tell.
+#[derive(Default)]
+pub(super) struct Sprays(Vec<(Arc<Species>, f32)>);
+
+impl Sprays {
+    fn covered(&mut self, species: &Arc<Species>) -> f32 {
+        if let Some((_, covered)) = self.0.iter().find(|(other, _)| Arc::ptr_eq(other, species)) {
+            return *covered;
+        }
+        let covered = spray(species, false).covered().max(0.05);
+        self.0.push((species.clone(), covered));
+        covered
+    }
+}
 
 /// Leaves of a plant with at most so many triangles, and whether they are sprays.
 pub(super) fn within(
@@ -23,6 +41,7 @@ pub(super) fn within(
     crown: Crown,
     full: &Surface,
     triangles: usize,
+    known: &mut Sprays,
 ) -> (Surface, bool) {
     if full.triangles() <= triangles {
         return (full.clone(), false);
@@ -39,7 +58,7 @@ pub(super) fn within(
     let size = (high - low).max_element().max(f32::MIN_POSITIVE);
     blades.sort_by_cached_key(|(blade, organ)| (morton((middle(blade) - low) / size), *organ));
     let fill = record.species.leaf_outline.fill();
-    let covered = if sprays { spray(&record.species, false).covered().max(0.05) } else { fill };
+    let covered = if sprays { known.covered(&record.species) } else { fill };
     let group = |k: usize| &blades[k * blades.len() / cards..(k + 1) * blades.len() / cards];
     let mut cards: Vec<(Blade, u32)> =
         (0..cards).map(|k| card(group(k), sprays.then_some(fill / covered), snapshot)).collect();
@@ -105,8 +124,8 @@ fn card(group: &[(Blade, u32)], spray: Option<f32>, snapshot: &Snapshot) -> (Bla
     let (length, half) = match spray {
         Some(fill) => {
             let length = (2.0 * area * fill).sqrt();
-            let chance = mix(snapshot.lineage[organ as usize].0 ^ 0xCA2D) >> 40;
-            let turn = TURN * (chance as f32 / (1u64 << 23) as f32 - 1.0);
+            let chance = share(mix(snapshot.lineage[organ as usize].0 ^ 0xCA2D));
+            let turn = TURN * (2.0 * chance - 1.0);
             let (sin, cos) = ops::sin_cos(turn);
             normal = normal * cos + way.cross(normal) * sin;
             (length, 0.5 * length)

@@ -68,8 +68,9 @@ pub(super) fn top(ui: &mut Ui, seen: &Seen, panels: &mut Panels, act: &mut impl 
             if ui.button(if panels.open { "Fold" } else { "Panels" }).on_hover_text("Panels (H)").clicked() {
                 panels.open = !panels.open;
             }
-            let rate = seen.frames_a_second;
-            ui.weak(format!("{rate:.0$} frames/s", usize::from(rate < 9.5)));
+            if let Some(rate) = seen.frames_a_second {
+                ui.weak(format!("{rate:.0$} frames/s", usize::from(rate < 9.5)));
+            }
         });
     });
 }

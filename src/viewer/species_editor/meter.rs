@@ -30,26 +30,28 @@ fn long_enough(read: &Stability) -> u32 {
     (swings.max(fades) as u32 + read.lag).clamp(12, 400)
 }
 
-/// Sliders, verdict, numbers and curve of the species that is edited. An error is a value that is not allowed.
-pub(super) fn show(ui: &mut egui::Ui, draft: &mut Draft) -> Result<(), ParameterError> {
+/// Sliders, verdict, numbers and curve of the species that is edited; what came of setting a value, an error if it is not
+/// allowed.
+pub(super) fn show(ui: &mut egui::Ui, draft: &mut Draft) -> Option<Result<(), ParameterError>> {
+    let mut set = None;
     ui.spacing_mut().slider_width = 150.0;
     let mut lag = draft.species().steering_lag;
     let slider = egui::Slider::new(&mut lag, 0..=LONGEST_LAG).text("lag, sub-steps");
     if ui.add(slider).on_hover_text("Sub-steps until a correction takes effect").changed() {
-        draft.set("steering_lag", &Value::Whole(lag))?;
+        set = Some(draft.set("steering_lag", &Value::Whole(lag)));
     }
     let mut ratio = draft.species().compensation_ratio;
     let slider = egui::Slider::new(&mut ratio, 0.1..=10.0).logarithmic(true).max_decimals(3);
     let slider = slider.clamping(egui::SliderClamping::Edits).text("ratio");
     if ui.add(slider).on_hover_text("Compensation ratio, 1 / (gain × lag); without lag 1 / gain").changed() {
-        draft.set("compensation_ratio", &Value::Real(f64::from(ratio)))?;
+        set = Some(draft.set("compensation_ratio", &Value::Real(f64::from(ratio))));
     }
     let control = Control::of(draft.species());
     let read = match stability(&control) {
         Ok(read) => read,
         Err(why) => {
             ui.colored_label(style::ink(ui, style::RUST), why.to_string());
-            return Ok(());
+            return set;
         }
     };
     ui.add_space(4.0);
@@ -94,7 +96,7 @@ pub(super) fn show(ui: &mut egui::Ui, draft: &mut Draft) -> Result<(), Parameter
         let note = "The curve has integral and derivative control in it, the verdict and numbers have not.";
         ui.label(RichText::new(note).small().weak());
     }
-    Ok(())
+    set
 }
 
 #[cfg(test)]

@@ -163,6 +163,12 @@ pub struct Inspector<'w> {
 }
 
 impl Inspector<'_> {
+    /// Frames a second, over the last two seconds or so.
+    pub fn frames_a_second(&self) -> Option<f64> {
+        let frame = self.diagnostics.as_ref()?.get(&FrameTimeDiagnosticsPlugin::FRAME_TIME)?;
+        frame.average().filter(|ms| *ms > 0.0).map(|ms| 1000.0 / ms)
+    }
+
     /// Tabs, and what is on the open one.
     pub fn show(&mut self, ui: &mut egui::Ui, shown: &Shown, course: &Course) {
         ui.horizontal_wrapped(|ui| {
@@ -211,6 +217,7 @@ impl Inspector<'_> {
             ui.spinner();
             return;
         };
+        let rate = self.frames_a_second();
         let mut orders = Vec::new();
         let answers = &mut *self.answers;
         let scroll = egui::ScrollArea::vertical().auto_shrink([false, false]);
@@ -235,10 +242,7 @@ impl Inspector<'_> {
                 scroll.show(ui, |ui| answers.why.show(ui));
             }
             Tab::Numbers => {
-                let fps = self.diagnostics.as_ref().and_then(|store| {
-                    store.get(&FrameTimeDiagnosticsPlugin::FPS).and_then(|diagnostic| diagnostic.smoothed())
-                });
-                if let Some(step) = answers.numbers.show(ui, view.step, fps) {
+                if let Some(step) = answers.numbers.show(ui, view.step, rate) {
                     answers.actions.push(Action::Look(Some(step)));
                 }
             }
