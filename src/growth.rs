@@ -165,6 +165,9 @@ pub(crate) fn look_around(world: &mut World) {
 ///
 /// The world needs [`BurgeonPlugins`](crate::BurgeonPlugins). A step [grown in parts](parts::grow_in_parts) that is
 /// under way comes to its end first; it is not counted.
+///
+/// Bevy remembers what was removed until the app's next update; a world without an app forgets it with
+/// [`World::clear_trackers`], to be called now and then in a long life.
 pub fn grow(world: &mut World, steps: u32) {
     parts::finish_step(world);
     for _ in 0..steps {

@@ -17,6 +17,7 @@ use crate::assets::Library;
 use crate::environment::workers::{Workers, WorkersError};
 use crate::export::canvas;
 use crate::export::picture::{Bounds, Camera, Palette, PictureSettings, render};
+use crate::export::plot::PlotError;
 use crate::files::FileError;
 use crate::scenario::{EditError, Garden, GardenError};
 use crate::tropism::OutOfRange;
@@ -172,6 +173,9 @@ pub enum ReproduceError {
     /// There is no such controller or root.
     #[error(transparent)]
     Setting(#[from] OutOfRange),
+    /// A plot of it could not be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
     /// No seeds were given.
     #[error("a figure needs at least one seed")]
     NoSeeds,
@@ -194,7 +198,7 @@ pub fn reproduce(
     let Findings { claims, picture, tables, pictures } = match figure {
         Figure::LamKing1 => lam_king_1::grow(seeds.clone(), library, size, workers)?.into(),
         Figure::LamKing2 => lam_king_2::grow(seeds.clone(), library, size, workers)?.into(),
-        Figure::Streit3 => streit::surface::barlow(),
+        Figure::Streit3 => streit::surface::barlow()?,
         Figure::Streit4 => streit::surface::auxin(size, workers)?,
         Figure::Streit7 => streit::control::signals()?,
         Figure::Streit8 => streit::control::functions()?,

@@ -1,16 +1,14 @@
-//! What holds after every step, whatever grows, and over a long life.
+//! What holds after every step, whatever grows.
 
 mod common;
 
 use bevy::prelude::*;
-use burgeon::files::ResolvedScenario;
-use burgeon::growth::generation::BudBroke;
-use burgeon::plant::{Fallen, OrganShed, Snapshot};
-use burgeon::scenario::{Edit, Garden, Scenario, apply};
+use burgeon::plant::{Fallen, Snapshot};
+use burgeon::scenario::Garden;
 use burgeon::species::Species;
 use burgeon::species::parameter::{Parameter, Range, Value};
 use common::check::{check, check_since, check_solids, check_world};
-use common::{garden, over_seeds, quick};
+use common::{garden, over_seeds, pot, quick};
 use proptest::prelude::*;
 
 /// Grows a garden and checks everything after every step.
@@ -50,100 +48,6 @@ fn invariants_hold_after_every_step() {
             }
         });
     }
-}
-
-/// One small plant in the open, looking around through the smallest faces.
-fn pot(species: Species) -> ResolvedScenario {
-    let mut resolved = quick("figure_1c");
-    resolved.scenario = Scenario { sensing: resolved.scenario.sensing, ..Scenario::default() };
-    resolved.scenario.sensing.leaf_face = 2;
-    resolved.scenario.sensing.bud_face = 2;
-    resolved.species = [("lam_king".to_string(), species)].into();
-    resolved
-}
-
-/// What lives long: counts over the first and the second thousand steps.
-#[derive(Debug, Default, Clone, Copy)]
-struct Life {
-    most_leaves: u32,
-    fewest_leaves: u32,
-    most_organs: usize,
-    fell: u64,
-}
-
-/// Two thousand steps, with what happens before each; the first fifty are youth and not counted.
-fn long_life(garden: &mut Garden, mut before: impl FnMut(&mut Garden, u32)) -> [Life; 2] {
-    let mut halves = [Life { fewest_leaves: u32::MAX, ..default() }; 2];
-    for step in 0..2_000 {
-        before(garden, step);
-        let form = garden.step().unwrap().form;
-        let fallen = garden.world().resource::<Fallen>();
-        assert!(fallen.tombstones.len() <= Fallen::LIMIT);
-        let half = &mut halves[step as usize / 1_000];
-        half.fell = fallen.total;
-        half.most_organs = half.most_organs.max(garden.organs());
-        if step >= 50 {
-            half.most_leaves = half.most_leaves.max(form.leaves);
-            half.fewest_leaves = half.fewest_leaves.min(form.leaves);
-        }
-        if step % 100 == 0 {
-            check(&garden.snapshot()).unwrap();
-            check_world(garden.world_mut()).unwrap();
-            let world = garden.world();
-            assert!(world.resource::<Messages<OrganShed>>().len() < 3_000);
-            assert!(world.resource::<Messages<BudBroke>>().len() < 3_000);
-        }
-    }
-    println!("{halves:?}");
-    halves
-}
-
-/// Entities of a world that is no larger than what lives in it.
-fn no_entity_too_many(garden: &Garden, without: u32) {
-    let entities = garden.world().entities().count_spawned();
-    assert_eq!(entities, garden.organs() as u32 + without, "entities are living organs");
-}
-
-#[test]
-fn a_stem_at_balance_lives_two_thousand_steps() {
-    let species = Species {
-        max_order: 0,
-        apical_buds_per_node: 0,
-        axis_continues: true,
-        leaf_life_steps: 6,
-        ..default()
-    };
-    let mut garden = garden(pot(Species { seed_energy: 10.0, ..species }), 3);
-    let empty = garden.world().entities().count_spawned();
-    let [young, old] = long_life(&mut garden, |_, _| ());
-    assert!(young.fewest_leaves > 5 && old.fewest_leaves > 5, "it lives");
-    assert!(old.most_leaves <= young.most_leaves, "its crown stays as it is");
-    assert!(old.fell > young.fell + 1_000, "it sheds as it grows");
-    assert!(old.most_organs < 2_000 + 100, "organs at most {}", old.most_organs);
-    no_entity_too_many(&garden, empty);
-}
-
-#[test]
-fn generations_follow_each_other_for_two_thousand_steps_in_level_memory() {
-    let mut resolved = quick("two_oaks");
-    resolved.scenario.sensing.leaf_face = 2;
-    resolved.scenario.sensing.bud_face = 2;
-    let sown = resolved.scenario.plants.clone();
-    let mut garden = garden(resolved, 3);
-    let empty = garden.world().entities().count_spawned();
-    // Every four steps the older tree makes room for a seed.
-    let [young, old] = long_life(&mut garden, |garden, step| {
-        if step > 0 && step % 4 == 0 {
-            let world = garden.world_mut();
-            let turn = step / 4;
-            apply(world, &Edit::Uproot { plant: turn - 1 }).unwrap();
-            apply(world, &Edit::Plant(sown[(turn as usize + 1) % 2].clone())).unwrap();
-        }
-    });
-    assert!(young.fewest_leaves > 0 && old.fewest_leaves > 0, "there always is a tree in leaf");
-    assert!(old.fell > young.fell * 3 / 2, "generations come and go");
-    assert!(old.most_organs < young.most_organs * 5 / 4, "organs at most {young:?} {old:?}");
-    no_entity_too_many(&garden, empty);
 }
 
 #[test]

@@ -1,9 +1,17 @@
 //! Plots: lines and filled shapes over two axes, as pictures.
 
-use bevy::math::{Vec2, ops};
-use image::{Rgb, RgbImage};
+use std::ops::Range;
+use std::sync::LazyLock;
 
-use super::canvas::{INK, PAPER, text_size, write_text};
+use bevy::math::Vec2;
+use image::imageops::{self, FilterType};
+use image::{Rgb, RgbImage};
+use plotters::coord::Shift;
+use plotters::drawing::DrawingAreaErrorKind;
+use plotters::prelude::*;
+use plotters::style::{FontStyle, register_font};
+
+use super::canvas::{INK, PAPER};
 
 /// Colours of the lines of a plot, in order.
 pub const COLORS: [[u8; 3]; 8] = [
@@ -16,6 +24,12 @@ pub const COLORS: [[u8; 3]; 8] = [
     [150, 60, 80],
     [90, 90, 90],
 ];
+const GRID: [u8; 3] = [226, 222, 212];
+/// Share of a plot's range that is left free at either side.
+const FREE: f32 = 0.03;
+/// Drawn larger by this, then shrunk: the edges are soft.
+const FINER: u32 = 3;
+const TEXT: u32 = 14;
 
 /// A line of a plot.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,14 +40,12 @@ pub struct Line {
     pub points: Vec<Vec2>,
     /// Its colour.
     pub color: [u8; 3],
-    /// Its width, pixels.
-    pub width: f32,
 }
 
 /// A filled shape of a plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shape {
-    /// Its corners, in order; it must be convex.
+    /// Its corners, in order.
     pub corners: Vec<Vec2>,
     /// Its colour.
     pub color: [u8; 3],
@@ -56,6 +68,18 @@ pub struct Plot {
     pub lines: Vec<Line>,
 }
 
+/// A plot could not be drawn.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("the plot `{title}` could not be drawn: {reason}")]
+pub struct PlotError {
+    /// The plot's title.
+    pub title: String,
+    /// What its library says.
+    pub reason: String,
+}
+
+type Failed<B> = DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>;
+
 impl Plot {
     /// An empty plot.
     pub fn new(title: &str, x: &str, y: &str) -> Self {
@@ -70,169 +94,126 @@ impl Plot {
     /// Adds a line in the next colour.
     pub fn line(&mut self, name: impl Into<String>, points: impl IntoIterator<Item = Vec2>) {
         let color = COLORS[self.lines.len() % COLORS.len()];
-        self.lines.push(Line { name: name.into(), points: points.into_iter().collect(), color, width: 1.6 });
+        self.lines.push(Line { name: name.into(), points: points.into_iter().collect(), color });
     }
 
-    /// Draws it. Points that are not finite are left out; a plot of nothing has axes from 0 to 1.
-    pub fn draw(&self, width: u32, height: u32) -> RgbImage {
-        let mut image = RgbImage::from_pixel(width.max(80), height.max(60), Rgb(PAPER));
-        let (w, h) = (image.width() as f32, image.height() as f32);
+    /// Draws it, pixels wide and high, at least 160 and 120. Points that are not finite are left out; a plot of
+    /// nothing has axes from 0 to 1.
+    ///
+    /// # Errors
+    /// [`PlotError`], should the library that draws fail.
+    pub fn draw(&self, width: u32, height: u32) -> Result<RgbImage, PlotError> {
+        let (width, height) = (width.max(160), height.max(120));
+        let mut image = RgbImage::from_pixel(FINER * width, FINER * height, Rgb(PAPER));
+        let size = image.dimensions();
+        let failed = |reason: String| PlotError { title: self.title.clone(), reason };
+        if !*WRITING {
+            return Err(failed("its font cannot be read".into()));
+        }
+        self.draw_on(&BitMapBackend::with_buffer(&mut image, size).into_drawing_area())
+            .map_err(|e| failed(e.to_string()))?;
+        Ok(imageops::resize(&image, width, height, FilterType::Triangle))
+    }
+
+    fn draw_on<B: DrawingBackend>(&self, whole: &DrawingArea<B, Shift>) -> Result<(), Failed<B>> {
+        let text = text(TEXT);
         // The legend has a margin of its own, so that no line runs through it.
         let named: Vec<&Line> = self.lines.iter().filter(|line| !line.name.is_empty()).collect();
-        let widest = named.iter().map(|line| text_size(&line.name, 1).0).max();
-        let legend = widest.map_or(0.0, |widest| (widest as f32 + 32.0).min(0.5 * w));
-        let frame = Frame::new(self, [52.0, w - 14.0 - legend], [h - 36.0, 26.0]);
-        for step in frame.ticks(0) {
-            let x = frame.at(Vec2::new(step, frame.low.y)).x;
-            segment(&mut image, Vec2::new(x, frame.bottom), Vec2::new(x, frame.top), [226, 222, 212], 1.0);
-            let text = number(step);
-            let left = x as i64 - i64::from(text_size(&text, 1).0 / 2);
-            plain(&mut image, left, frame.bottom as i64 + 5, &text);
+        let mut widest = 0;
+        for line in &named {
+            widest = widest.max(whole.estimate_text_size(&line.name, &text)?.0);
         }
-        for step in frame.ticks(1) {
-            let y = frame.at(Vec2::new(frame.low.x, step)).y;
-            segment(&mut image, Vec2::new(frame.left, y), Vec2::new(frame.right, y), [226, 222, 212], 1.0);
-            let text = number(step);
-            plain(&mut image, frame.left as i64 - 5 - i64::from(text_size(&text, 1).0), y as i64 - 4, &text);
-        }
-        for shape in &self.shapes {
-            let corners: Vec<Vec2> = shape.corners.iter().map(|p| frame.at(*p)).collect();
-            fill(&mut image, &corners, shape.color);
+        let [width, _] = size(whole);
+        let legend = if named.is_empty() { 0 } else { (widest + FINER * 34).min(width / 2) };
+        let (left, right) = whole.split_horizontally(width - legend);
+
+        let [margin, below, beside] = [8, 38, 52].map(|pixels| FINER * pixels);
+        let title = FINER * 26;
+        let [width, height] = size(&left);
+        let room = Vec2::new(
+            width.saturating_sub(2 * margin + beside) as f32,
+            height.saturating_sub(2 * margin + below + title) as f32,
+        );
+        let [across, up] = self.ranges(room.max(Vec2::ONE));
+        let mut chart = ChartBuilder::on(&left)
+            .margin(margin)
+            .x_label_area_size(below)
+            .y_label_area_size(beside)
+            .margin_top(margin + title)
+            .build_cartesian_2d(across, up)?;
+        let paint = |color: [u8; 3]| RGBColor(color[0], color[1], color[2]);
+        chart
+            .configure_mesh()
+            .bold_line_style(paint(GRID))
+            .light_line_style(TRANSPARENT)
+            .axis_style(paint(INK))
+            .label_style(text.clone())
+            .x_labels(8)
+            .y_labels(8)
+            .x_desc(&self.x)
+            .y_desc(&self.y)
+            .x_label_formatter(&|x| number(*x))
+            .y_label_formatter(&|y| number(*y))
+            .draw()?;
+        left.draw_text(&self.title, &text, ((margin + beside) as i32, margin as i32))?;
+        let plain = |points: &[Vec2]| points.iter().map(|p| (p.x, p.y)).collect::<Vec<_>>();
+        for shape in self.shapes.iter().filter(|s| s.corners.iter().all(|c| c.is_finite())) {
+            chart.draw_series([Polygon::new(plain(&shape.corners), paint(shape.color).filled())])?;
         }
         for line in &self.lines {
-            for ends in line.points.windows(2).filter(|ends| ends.iter().all(|p| p.is_finite())) {
-                segment(&mut image, frame.at(ends[0]), frame.at(ends[1]), line.color, line.width);
-            }
-        }
-        plain(&mut image, frame.left as i64, 8, &self.title);
-        let end = frame.right as i64 - i64::from(text_size(&self.x, 1).0);
-        plain(&mut image, end, h as i64 - 14, &self.x);
-        if !self.y.is_empty() {
-            plain(&mut image, 4, h as i64 - 14, &format!("up: {}", self.y));
+            let style = paint(line.color).stroke_width(FINER + 1);
+            let whole = line.points.split(|p| !p.is_finite()).filter(|points| points.len() > 1);
+            chart.draw_series(whole.map(|points| PathElement::new(plain(points), style)))?;
         }
         for (k, line) in named.iter().enumerate() {
-            let (x, y) = (frame.right + 10.0, frame.top + 8.0 + 12.0 * k as f32);
-            segment(&mut image, Vec2::new(x, y), Vec2::new(x + 18.0, y), line.color, 2.4);
-            plain(&mut image, x as i64 + 23, y as i64 - 4, &line.name);
+            let y = (FINER * (40 + 16 * k as u32)) as i32;
+            let end = (FINER * 18) as i32;
+            let stroke = paint(line.color).stroke_width(2 * FINER);
+            right.draw(&PathElement::new(vec![(0, y), (end, y)], stroke))?;
+            right.draw_text(&line.name, &text, (end + 10, y - (FINER * TEXT / 2) as i32))?;
         }
-        image
+        whole.present()
     }
-}
 
-/// Writing without a shadow: on paper none is needed.
-fn plain(image: &mut RgbImage, x: i64, y: i64, text: &str) {
-    write_text(image, x, y, text, 1, INK);
-}
-
-/// A number with as many digits as it needs.
-fn number(x: f32) -> String {
-    let text = format!("{x:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').replace("-0", if x == 0.0 { "0" } else { "-0" })
-}
-
-/// Where the axes lie in the picture.
-struct Frame {
-    left: f32,
-    right: f32,
-    bottom: f32,
-    top: f32,
-    low: Vec2,
-    high: Vec2,
-}
-
-impl Frame {
-    fn new(plot: &Plot, [left, right]: [f32; 2], [bottom, top]: [f32; 2]) -> Self {
-        let points =
-            plot.lines.iter().flat_map(|l| &l.points).chain(plot.shapes.iter().flat_map(|s| &s.corners));
+    /// What is seen along each axis, in a room of so many pixels.
+    fn ranges(&self, room: Vec2) -> [Range<f32>; 2] {
+        let lines = self.lines.iter().flat_map(|line| &line.points);
+        let points = lines.chain(self.shapes.iter().flat_map(|shape| &shape.corners));
         let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         for point in points.filter(|p| p.is_finite()) {
-            low = low.min(*point);
-            high = high.max(*point);
+            (low, high) = (low.min(*point), high.max(*point));
         }
         if !(low.is_finite() && high.is_finite()) {
             (low, high) = (Vec2::ZERO, Vec2::ONE);
         }
         let mut size = (high - low).max(Vec2::splat(1e-6));
-        let room = Vec2::new(right - left, bottom - top);
-        if plot.equal {
-            let scale = (size / room).max_element();
-            size = room * scale;
+        if self.equal {
+            size = room * (size / room).max_element();
         }
-        let middle = (low + high) * 0.5;
-        Self { left, right, bottom, top, low: middle - size * 0.53, high: middle + size * 0.53 }
-    }
-
-    fn at(&self, point: Vec2) -> Vec2 {
-        let share = (point - self.low) / (self.high - self.low);
-        Vec2::new(
-            self.left + (self.right - self.left) * share.x,
-            self.bottom + (self.top - self.bottom) * share.y,
-        )
-    }
-
-    /// Round numbers along an axis, a few of them.
-    fn ticks(&self, axis: usize) -> Vec<f32> {
-        let (low, high) = (self.low[axis], self.high[axis]);
-        let rough = (high - low) / 6.0;
-        let power = ops::powf(10.0, (ops::ln(rough) / core::f32::consts::LN_10).floor());
-        let step =
-            [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= rough).unwrap_or(power);
-        let first = (low / step).ceil() as i64;
-        (first..first + 12).map(|k| k as f32 * step).take_while(|x| *x <= high).collect()
+        let (middle, half) = (0.5 * (low + high), (0.5 + FREE) * size);
+        [middle.x - half.x..middle.x + half.x, middle.y - half.y..middle.y + half.y]
     }
 }
 
-fn mix(image: &mut RgbImage, x: i64, y: i64, color: [u8; 3], share: f32) {
-    let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else { return };
-    if let Some(pixel) = image.get_pixel_mut_checked(x, y) {
-        for (old, new) in pixel.0.iter_mut().zip(color) {
-            *old = (f32::from(*old) + (f32::from(new) - f32::from(*old)) * share + 0.5) as u8;
-        }
-    }
+/// Whether the font of plots could be read.
+static WRITING: LazyLock<bool> = LazyLock::new(|| {
+    register_font("sans-serif", FontStyle::Normal, epaint_default_fonts::UBUNTU_LIGHT).is_ok()
+});
+
+fn text(height: u32) -> TextStyle<'static> {
+    ("sans-serif", FINER * height).into_font().color(&RGBColor(INK[0], INK[1], INK[2]))
 }
 
-/// A line between two points of the picture, its edges softened.
-fn segment(image: &mut RgbImage, from: Vec2, to: Vec2, color: [u8; 3], width: f32) {
-    let reach = 0.5 * width + 1.0;
-    let size = Vec2::new(image.width() as f32, image.height() as f32);
-    let low = (from.min(to) - reach).max(Vec2::ZERO).floor();
-    let high = (from.max(to) + reach).min(size).ceil();
-    let way = to - from;
-    for y in low.y as i64..high.y as i64 {
-        for x in low.x as i64..high.x as i64 {
-            let point = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) - from;
-            let along = (point.dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
-            let off = (point - way * along).length();
-            mix(image, x, y, color, (0.5 * width + 0.5 - off).clamp(0.0, 1.0));
-        }
-    }
+fn size<B: DrawingBackend>(area: &DrawingArea<B, Shift>) -> [u32; 2] {
+    let (width, height) = area.dim_in_pixel();
+    [width, height]
 }
 
-/// A convex shape in the picture.
-fn fill(image: &mut RgbImage, corners: &[Vec2], color: [u8; 3]) {
-    if corners.len() < 3 || !corners.iter().all(|c| c.is_finite()) {
-        return;
-    }
-    let size = Vec2::new(image.width() as f32, image.height() as f32);
-    let low = corners.iter().fold(size, |l, c| l.min(*c)).max(Vec2::ZERO).floor();
-    let high = corners.iter().fold(Vec2::ZERO, |h, c| h.max(*c)).min(size).ceil();
-    for y in low.y as i64..high.y as i64 {
-        for x in low.x as i64..high.x as i64 {
-            let point = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-            let sides = (0..corners.len()).map(|k| {
-                let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
-                (b - a).perp_dot(point - a)
-            });
-            let (mut left, mut right) = (true, true);
-            for side in sides {
-                left &= side >= -0.5;
-                right &= side <= 0.5;
-            }
-            if left || right {
-                mix(image, x, y, color, 1.0);
-            }
-        }
-    }
+/// A number with as many digits as it needs.
+fn number(x: f32) -> String {
+    let text = format!("{x:.3}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".into() } else { text.into() }
 }
 
 #[cfg(test)]
@@ -240,7 +221,7 @@ mod tests {
     use super::*;
 
     fn inked(image: &RgbImage, color: [u8; 3]) -> usize {
-        image.pixels().filter(|p| p.0 == color).count()
+        image.pixels().filter(|p| p.0.iter().zip(color).all(|(a, b)| a.abs_diff(b) < 12)).count()
     }
 
     #[test]
@@ -249,21 +230,33 @@ mod tests {
         plot.line("one", [Vec2::ZERO, Vec2::new(2.0, 1.0), Vec2::new(f32::NAN, 0.0), Vec2::ONE]);
         let corners = vec![Vec2::ZERO, Vec2::new(0.0, 1.0), Vec2::new(0.5, 1.0), Vec2::new(0.5, 0.0)];
         plot.shapes.push(Shape { corners, color: [200, 10, 10] });
-        let image = plot.draw(300, 200);
-        assert!(inked(&image, COLORS[0]) > 60);
-        let red = inked(&image, [200, 10, 10]) as f32;
-        // 300 x 200 leaves 178 x 138 beside the legend for 2 x 1 units and a margin of six hundredths.
-        let unit = 178.0 / 2.12;
-        assert!((red / (0.5 * unit * unit) - 1.0).abs() < 0.1, "{red}");
+        let image = plot.draw(600, 400).unwrap();
+        assert!(inked(&image, COLORS[0]) > 200);
+        let red: Vec<(u32, u32)> = (0..600)
+            .flat_map(|x| (0..400).map(move |y| (x, y)))
+            .filter(|&(x, y)| image.get_pixel(x, y).0 == [200, 10, 10])
+            .collect();
+        let extent = |along: Vec<u32>| (along.iter().max().unwrap() - along.iter().min().unwrap() + 1) as f32;
+        let wide = extent(red.iter().map(|p| p.0).collect());
+        let high = extent(red.iter().map(|p| p.1).collect());
+        // Half a unit wide and one high, and the units are alike; the line covers its corner.
+        assert!((high / wide - 2.0).abs() < 0.05, "{wide} x {high}");
+        // All else but the line's own crossing of it is red.
+        assert!(red.len() as f32 > 0.9 * wide * high);
     }
 
     #[test]
-    fn a_plot_of_nothing_has_axes_and_ticks_are_round() {
-        assert_eq!(Plot::new("", "", "").draw(0, 0).dimensions(), (80, 60));
-        let mut plot = Plot::new("", "", "");
-        plot.line("", [Vec2::new(0.0, -90.0), Vec2::new(100.0, 90.0)]);
-        let frame = Frame::new(&plot, [0.0, 100.0], [100.0, 0.0]);
-        assert_eq!(frame.ticks(0), [0.0, 20.0, 40.0, 60.0, 80.0, 100.0]);
-        assert_eq!(frame.ticks(1), [-50.0, 0.0, 50.0]);
+    fn a_plot_of_nothing_has_axes() {
+        let plot = Plot::new("", "", "");
+        let image = plot.draw(0, 0).unwrap();
+        assert_eq!(image.dimensions(), (160, 120));
+        let dark = image.pixels().filter(|p| p.0.iter().all(|c| *c < 170)).count();
+        assert!((100..2000).contains(&dark), "axes and numbers: {dark} pixels");
+        assert_eq!(plot.ranges(Vec2::ONE), [-FREE..1.0 + FREE, -FREE..1.0 + FREE]);
+    }
+
+    #[test]
+    fn numbers_have_as_many_digits_as_they_need() {
+        assert_eq!([0.0, -0.0, 0.25, -40.0, 1.0004].map(number), ["0", "0", "0.25", "-40", "1"]);
     }
 }

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 use super::birth::Newborn;
 use super::generation::Condemned;
+use super::parts::{AT_ONCE, StepParts};
 use super::{Mechanisms, StepCount};
 use crate::chance::{self, Purpose};
 use crate::plant::{
@@ -141,8 +142,16 @@ pub fn form_nodes(
     mut stores: Query<&mut EnergyStore>,
     stems: Query<(&Pose, &crate::plant::Internode)>,
     mut buds: Query<(&Identity, &BranchOrder, &Exposure, &mut Allotment, &ApicalBud)>,
+    mut parts: ResMut<StepParts>,
 ) {
-    for node in fresh.0.drain(..) {
+    parts.rest = None;
+    let nodes = core::mem::take(&mut fresh.0);
+    for (k, node) in nodes.iter().enumerate() {
+        if k > 0 && k % AT_ONCE == 0 && parts.is_time_up() {
+            fresh.0.extend_from_slice(&nodes[k..]);
+            parts.leave_off_within(k as u32..nodes.len() as u32);
+            break;
+        }
         let Ok((identity, order, exposure, mut allotment, bud)) = buds.get_mut(node.bud) else { continue };
         let Ok(plant) = plants.get(identity.plant) else { continue };
         let Ok((stem, internode)) = stems.get(node.internode) else { continue };

@@ -10,6 +10,7 @@
 //! [`GrowthStep`] runs once a step whether in parts or whole, systems of the host's own included, in the same order:
 //! every system is asked whether it is its turn.
 
+use core::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -30,7 +31,10 @@ use super::finish::StageTimes;
 use super::sensing::{SensingJob, Survey, choose_growth_targets, gather_probes, render_cube_maps};
 use super::{GrowthStep, generation::ensure_workers};
 use crate::environment::workers::Workers;
-use crate::plant::shed_missing;
+use crate::plant::{Snapshot, shed_missing};
+
+/// How many things a system that can leave off does before it looks at the time.
+pub(super) const AT_ONCE: usize = 64;
 
 /// How far a call of [`grow_in_parts`] came.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,9 +63,15 @@ pub struct StepParts {
     /// Whether this run of the schedule leaves off here.
     #[reflect(ignore)]
     left_off: AtomicBool,
+    /// What is left to the system that left off within its turn, as it counts.
+    #[reflect(ignore)]
+    pub(super) rest: Option<Range<u32>>,
     /// When to leave off; `None`: at the end of the step.
     #[reflect(ignore)]
     until: Option<Instant>,
+    /// A snapshot whose memory the next look around uses again.
+    #[reflect(ignore)]
+    pub(super) spare: Snapshot,
     /// What other threads see.
     #[reflect(ignore)]
     looking: Option<JoinHandle<Looked>>,
@@ -70,6 +80,7 @@ pub struct StepParts {
 /// What was seen, and how long it took.
 struct Looked {
     job: SensingJob,
+    shot: Snapshot,
     took: Duration,
 }
 
@@ -85,6 +96,19 @@ impl StepParts {
         self.done.load(Ordering::Relaxed) > 0
     }
 
+    /// Whether a system that could go on later should leave off: the time of this part is up.
+    pub(super) fn is_time_up(&self) -> bool {
+        self.until.is_some_and(|until| Instant::now() >= until)
+    }
+
+    /// Leaves off within the system that has its turn: it has another at the beginning of the next part, and finds
+    /// [`StepParts::rest`] there.
+    pub(super) fn leave_off_within(&mut self, rest: Range<u32>) {
+        self.rest = Some(rest);
+        *self.done.get_mut() -= 1;
+        *self.left_off.get_mut() = true;
+    }
+
     /// Whether the system that is asked, one after the other, has its turn.
     fn is_due(&self) -> bool {
         let k = self.asked.fetch_add(1, Ordering::Relaxed);
@@ -93,7 +117,7 @@ impl StepParts {
         }
         // The first of a run always has its turn, so that every call gets on.
         let is_first = self.is_first.swap(false, Ordering::Relaxed);
-        if !is_first && self.until.is_some_and(|until| Instant::now() >= until) {
+        if !is_first && self.is_time_up() {
             self.left_off.store(true, Ordering::Relaxed);
             return false;
         }
@@ -102,8 +126,8 @@ impl StepParts {
     }
 }
 
-/// Grows a step, or goes on with one, for about as long as `budget`: no system is begun after it, and whenever organs
-/// look around this thread leaves off at once and others go on. Call it again, a frame later, until it is over.
+/// Grows a step, or goes on with one, for about as long as `budget`: no system is begun after it, those that take
+/// longest leave off within, and whenever organs look around this thread leaves off at once and others go on. Call it again, a frame later, until it is over.
 ///
 /// Between two calls the world is the host's. What it changes counts from the next stage that reads it; a plant that is
 /// despawned takes its organs along as ever. [`grow`](super::grow) and a plain run of [`GrowthStep`] bring a step that
@@ -152,9 +176,9 @@ pub(super) fn begin_to_look(world: &mut World) {
     let survey = Survey::take(world);
     let look = move || {
         let began = Instant::now();
-        let mut job = survey.job();
+        let (mut job, shot) = survey.job();
         job.look(&workers);
-        Looked { job, took: began.elapsed() }
+        Looked { job, shot, took: began.elapsed() }
     };
     let mut parts = world.resource_mut::<StepParts>();
     match std::thread::Builder::new().name("burgeon looks around".into()).spawn(look) {
@@ -169,10 +193,13 @@ pub(super) fn begin_to_look(world: &mut World) {
 
 /// Writes back what was seen.
 pub(super) fn end_looking(world: &mut World) {
+    if world.resource::<StepParts>().rest.is_some() {
+        return choose_growth_targets(world);
+    }
     match world.resource_mut::<StepParts>().looking.take().map(JoinHandle::join) {
-        Some(Ok(Looked { job, took })) => {
+        Some(Ok(Looked { job, shot, took })) => {
             world.resource_mut::<StageTimes>().add(took);
-            job.install(world);
+            job.install(world, shot);
         }
         // What went wrong there goes wrong here.
         Some(Err(panic)) => std::panic::resume_unwind(panic),
@@ -216,6 +243,7 @@ impl SystemExecutor for InParts {
             world.resource_mut::<StageTimes>().pause();
         } else {
             *parts.done.get_mut() = 0;
+            parts.rest = None;
         }
     }
 

@@ -9,6 +9,7 @@ use bevy::prelude::*;
 
 use super::Mechanisms;
 use super::generation::ensure_workers;
+use super::parts::{AT_ONCE, StepParts};
 use crate::environment::plugin::standing_scene;
 use crate::environment::probe::{Probe, Sensing};
 use crate::environment::sense::room::{self, Wish};
@@ -58,10 +59,11 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Of a world as it is.
+    /// Of a world as it is, in the memory of the last one.
     pub fn take(world: &mut World) -> Self {
+        let spare = core::mem::take(&mut world.resource_mut::<StepParts>().spare);
         Self {
-            shot: Snapshot::take(world),
+            shot: spare.taken_anew(world),
             standing: standing_scene(world),
             entities: world.resource::<crate::plant::Roster>().entity.clone(),
             settings: *world.resource::<Sensing>(),
@@ -69,15 +71,15 @@ impl Survey {
         }
     }
 
-    /// What there is to look at, and from where.
-    pub fn job(self) -> SensingJob {
+    /// What there is to look at, and from where; and the snapshot it was read from.
+    pub fn job(self) -> (SensingJob, Snapshot) {
         let Self { shot, entities, standing: mut scene, settings, mechanisms } = self;
         gather::add_plants(&mut scene, &shot);
         let mut job = SensingJob { scene, settings, keep_apart: mechanisms.space, ..SensingJob::default() };
         if mechanisms.light || mechanisms.space {
             job.ask(&shot, &entities, mechanisms);
         }
-        job
+        (job, shot)
     }
 }
 
@@ -103,7 +105,8 @@ impl SensingJob {
     }
 
     /// Becomes what the world's organs will read.
-    pub(super) fn install(self, world: &mut World) {
+    pub(super) fn install(self, world: &mut World, spare: Snapshot) {
+        world.resource_mut::<StepParts>().spare = spare;
         world.insert_resource(ProbeCount(self.requests.len()));
         world.insert_resource(self);
     }
@@ -156,7 +159,8 @@ impl Lookouts {
 
 /// Gathers scene and probes.
 pub fn gather_probes(world: &mut World) {
-    Survey::take(world).job().install(world);
+    let (job, shot) = Survey::take(world).job();
+    job.install(world, shot);
 }
 
 /// The cell in which an organ that chooses no way shares its look around with others of its plant, if its species does so.
@@ -278,7 +282,14 @@ pub fn choose_growth_targets(world: &mut World) {
     let job = std::mem::take(&mut *world.resource_mut::<SensingJob>());
     let mechanisms = *world.resource::<Mechanisms>();
     let mut organs = world.query::<(&mut Exposure, Option<&mut GrowthTarget>)>();
-    for &(entity, index) in &job.lookers {
+    let first = world.resource_mut::<StepParts>().rest.take().map_or(0, |rest| rest.start as usize);
+    for (k, &(entity, index)) in job.lookers.iter().enumerate().skip(first) {
+        if k > first && k % (16 * AT_ONCE) == 0 && world.resource::<StepParts>().is_time_up() {
+            let rest = k as u32..job.lookers.len() as u32;
+            world.resource_mut::<StepParts>().leave_off_within(rest);
+            world.insert_resource(job);
+            return;
+        }
         let Some(found) = job.found.get(index) else { continue };
         let Ok((mut exposure, target)) = organs.get_mut(world, entity) else { continue };
         *exposure = Exposure {

@@ -5,6 +5,7 @@ use bevy::prelude::*;
 
 use super::birth::Newborn;
 use super::nodes::{FreshNode, FreshNodes};
+use super::parts::{AT_ONCE, StepParts};
 use super::{Mechanisms, StepCount};
 use crate::chance::{self, Purpose};
 use crate::environment::obstacles::advance;
@@ -175,14 +176,24 @@ pub fn extend_shoots(
         &mut Allotment,
         &mut ApicalBud,
     )>,
+    mut parts: ResMut<StepParts>,
 ) {
     let solids = crate::environment::standing_solids(solids.iter());
     let living = roster.len();
     let mut moved = vec![false; living];
+    // By birth: a bud that has grown is born anew.
+    let asked = parts.rest.take().unwrap_or(0..roster.next_birth);
+    let mut buds_seen = 0;
     for i in 0..living {
-        if roster.kind[i] != OrganKind::ApicalBud {
+        let birth = roster.birth[i];
+        if roster.kind[i] != OrganKind::ApicalBud || !asked.contains(&birth) {
             continue;
         }
+        if buds_seen > 0 && buds_seen % AT_ONCE == 0 && parts.is_time_up() {
+            parts.leave_off_within(birth..asked.end);
+            break;
+        }
+        buds_seen += 1;
         let entity = roster.entity[i];
         let Ok((
             mut identity,

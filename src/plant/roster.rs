@@ -46,6 +46,16 @@ impl Roster {
         self.birth.binary_search(&birth).ok()
     }
 
+    /// Where every organ stands in it, by entity.
+    pub fn places(&self) -> Places<'_> {
+        let last = self.entity.iter().map(|entity| entity.index_u32() as usize + 1).max().unwrap_or(0);
+        let mut by_index = vec![u32::MAX; last];
+        for (i, entity) in self.entity.iter().enumerate() {
+            by_index[entity.index_u32() as usize] = i as u32;
+        }
+        Places { roster: self, by_index }
+    }
+
     /// Adds an organ at the end and gives it the next birth number.
     pub fn bear(&mut self, entity: Entity, parent: u32, plant: u32, kind: OrganKind) -> u32 {
         let birth = self.next_birth;
@@ -79,5 +89,21 @@ impl Roster {
         self.parent.truncate(kept);
         self.plant.truncate(kept);
         self.kind.truncate(kept);
+    }
+}
+
+/// Indices in a [`Roster`] by entity, for those who walk organs as they lie in memory.
+#[derive(Debug)]
+pub struct Places<'a> {
+    roster: &'a Roster,
+    /// By the index of the entity.
+    by_index: Vec<u32>,
+}
+
+impl Places<'_> {
+    /// Index of an entity in the roster, if it is an organ there.
+    pub fn get(&self, entity: Entity) -> Option<usize> {
+        let i = *self.by_index.get(entity.index_u32() as usize)? as usize;
+        (self.roster.entity.get(i) == Some(&entity)).then_some(i)
     }
 }

@@ -28,6 +28,18 @@ pub enum OrganState {
 }
 
 impl OrganState {
+    /// That of an organ of which nothing is known.
+    fn none(kind: OrganKind) -> Self {
+        match kind {
+            OrganKind::Internode => Self::Internode(Internode::default(), None),
+            OrganKind::ApicalBud => {
+                Self::ApicalBud(ApicalBud::default(), Steering::default(), GrowthTarget::default())
+            }
+            OrganKind::LateralBud => Self::LateralBud(LateralBud::default(), GrowthTarget::default()),
+            OrganKind::Leaf => Self::Leaf(Leaf::default()),
+        }
+    }
+
     /// Its kind.
     pub fn kind(&self) -> OrganKind {
         match self {
@@ -118,6 +130,9 @@ type OrganParts = (
     ),
 );
 
+/// An organ of any kind, and nothing else that lives in the world.
+type AnyOrgan = Or<(With<Internode>, With<ApicalBud>, With<LateralBud>, With<Leaf>)>;
+
 fn read<C: Copy + Default>(part: Option<&C>) -> C {
     part.copied().unwrap_or_default()
 }
@@ -156,55 +171,68 @@ impl Snapshot {
 
     /// Takes a snapshot of a world.
     pub fn take(world: &World) -> Self {
+        Self::default().taken_anew(world)
+    }
+
+    /// Takes another in the place of one that is no longer needed: its memory is used again, which saves half the time.
+    pub fn taken_anew(mut self, world: &World) -> Self {
         let Some(roster) = world.get_resource::<Roster>() else { return Self::default() };
+        fn fill<T: Clone>(column: &mut Vec<T>, n: usize, with: T) {
+            column.clear();
+            column.resize(n, with);
+        }
         let n = roster.len();
-        let mut shot = Self {
-            step: world.get_resource::<StepCount>().map_or(0, |s| s.0),
-            next_birth: roster.next_birth,
-            plants: roster.plants.iter().map(|p| p.and_then(|p| plant_record(world, p))).collect(),
-            birth: roster.birth.clone(),
-            parent: roster.parent.clone(),
-            plant: roster.plant.clone(),
-            lineage: Vec::with_capacity(n),
-            span: Vec::with_capacity(n),
-            order: Vec::with_capacity(n),
-            attachment: Vec::with_capacity(n),
-            pose: Vec::with_capacity(n),
-            exposure: Vec::with_capacity(n),
-            allotment: Vec::with_capacity(n),
-            flow: Vec::with_capacity(n),
-            state: Vec::with_capacity(n),
-            signals: Vec::new(),
+        self.step = world.get_resource::<StepCount>().map_or(0, |s| s.0);
+        self.next_birth = roster.next_birth;
+        self.plants.clear();
+        self.plants.extend(roster.plants.iter().map(|p| p.and_then(|p| plant_record(world, p))));
+        self.birth.clone_from(&roster.birth);
+        self.parent.clone_from(&roster.parent);
+        self.plant.clone_from(&roster.plant);
+        fill(&mut self.lineage, n, Lineage::default());
+        fill(&mut self.span, n, GrowthSpan::default());
+        fill(&mut self.order, n, 0);
+        fill(&mut self.attachment, n, Quat::IDENTITY);
+        fill(&mut self.pose, n, Pose::default());
+        fill(&mut self.exposure, n, Exposure::default());
+        fill(&mut self.allotment, n, 0.0);
+        fill(&mut self.flow, n, EnergyFlow::default());
+        // An organ despawned from outside stays in the roster until the next step sheds what it bore.
+        self.state.clear();
+        self.state.extend(roster.kind.iter().map(|kind| OrganState::none(*kind)));
+        self.signals.clear();
+        // As they lie in memory, which is many times faster than by birth.
+        let places = roster.places();
+        let Some(mut parts) = world.try_query_filtered::<(Entity, OrganParts), AnyOrgan>() else {
+            return self;
         };
-        let mut parts = world.try_query::<OrganParts>();
-        let parts = parts.as_mut().map(|parts| parts.query(world));
-        for i in 0..n {
-            // An organ despawned from outside stays in the roster until the next step sheds what it bore.
-            let organ = parts.as_ref().and_then(|parts| parts.get(roster.entity[i]).ok()).unwrap_or_default();
+        for (entity, organ) in parts.iter(world) {
+            let Some(i) = places.get(entity) else { continue };
             let (identity, span, order, attachment, pose, flow) = organ.0;
             let (wood, node, apical, steering, target, lateral, leaf, exposure, allotment) = organ.1;
-            shot.lineage.push(identity.map_or_else(Lineage::default, |identity| identity.lineage));
-            shot.span.push(read(span));
-            shot.order.push(read(order).0);
-            shot.attachment.push(read(attachment).0);
-            shot.pose.push(read(pose));
-            shot.flow.push(read(flow));
-            shot.exposure.push(read(exposure));
-            shot.allotment.push(read(allotment).0);
-            shot.state.push(match roster.kind[i] {
+            self.lineage[i] = identity.map_or_else(Lineage::default, |identity| identity.lineage);
+            self.span[i] = read(span);
+            self.order[i] = read(order).0;
+            self.attachment[i] = read(attachment).0;
+            self.pose[i] = read(pose);
+            self.flow[i] = read(flow);
+            self.exposure[i] = read(exposure);
+            self.allotment[i] = read(allotment).0;
+            self.state[i] = match roster.kind[i] {
                 OrganKind::Internode => OrganState::Internode(read(wood), node.copied()),
                 OrganKind::ApicalBud => {
                     let (steering, signals) = steering.map_or_else(Default::default, |(a, b)| (*a, *b));
                     if !signals.is_default() {
-                        shot.signals.push((i as u32, signals));
+                        self.signals.push((i as u32, signals));
                     }
                     OrganState::ApicalBud(read(apical), steering, read(target))
                 }
                 OrganKind::LateralBud => OrganState::LateralBud(read(lateral), read(target)),
                 OrganKind::Leaf => OrganState::Leaf(read(leaf)),
-            });
+            };
         }
-        shot
+        self.signals.sort_unstable_by_key(|(i, _)| *i);
+        self
     }
 
     /// The same without some plants, by index; the others keep theirs.

@@ -167,6 +167,8 @@ impl Garden {
             return Err(reached.into());
         }
         grow(&mut self.world, 1);
+        // What an app does in every frame; else what was removed would be remembered for ever.
+        self.world.clear_trackers();
         let snapshot = self.snapshot();
         let [generate, update, sense, finish] = self.world.resource::<StageTimes>().seconds;
         let stages = StageSeconds { generate, update, sense, finish };

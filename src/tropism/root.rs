@@ -174,6 +174,11 @@ impl AuxinRoot {
         poses
     }
 
+    /// Turns its pot: what has grown turns along, gravity does not.
+    pub fn turn(&mut self, by: Quat) {
+        self.base = (by * self.base).normalize();
+    }
+
     /// The heading of its tip, a unit vector.
     pub fn tip_heading(&self) -> Vec3 {
         self.assemble().last().map_or(Vec3::Y, Pose::heading)

@@ -12,7 +12,8 @@ use std::ops::Range;
 use burgeon::assets::Library;
 use burgeon::environment::workers::Workers;
 use burgeon::files::ResolvedScenario;
-use burgeon::scenario::Garden;
+use burgeon::scenario::{Garden, Scenario};
+use burgeon::species::Species;
 
 /// A shipped scenario as it is.
 pub fn shipped(name: &str) -> ResolvedScenario {
@@ -24,6 +25,16 @@ pub fn quick(name: &str) -> ResolvedScenario {
     let mut resolved = shipped(name);
     resolved.scenario.sensing.leaf_face = 4;
     resolved.scenario.sensing.bud_face = 6;
+    resolved
+}
+
+/// One small plant in the open, looking around through the smallest faces.
+pub fn pot(species: Species) -> ResolvedScenario {
+    let mut resolved = quick("figure_1c");
+    resolved.scenario = Scenario { sensing: resolved.scenario.sensing, ..Scenario::default() };
+    resolved.scenario.sensing.leaf_face = 2;
+    resolved.scenario.sensing.bud_face = 2;
+    resolved.species = [("lam_king".to_string(), species)].into();
     resolved
 }
 

@@ -92,7 +92,7 @@ pub fn signals() -> Result<Findings, ReproduceError> {
     let table = csv(["pushed_at", "sensed_at", "response_at", "distance_steps"], rows);
     Ok(Findings {
         claims,
-        picture: plot.draw(640, 560),
+        picture: plot.draw(640, 560)?,
         tables: vec![("signals.csv".into(), table)],
         pictures: Vec::new(),
     })
@@ -122,8 +122,8 @@ pub fn functions() -> Result<Findings, ReproduceError> {
         seen.line("target alone, x", alone.points.iter().map(|p| Vec2::new(p.x, p.y)));
         seen.line("both, x", both.points.iter().map(|p| Vec2::new(p.x + 4.0, p.y)));
         seen.line("both, z", both.points.iter().map(|p| Vec2::new(p.z + 9.0, p.y)));
-        images.push(given.draw(460, 420));
-        images.push(seen.draw(560, 420));
+        images.push(given.draw(460, 420)?);
+        images.push(seen.draw(560, 420)?);
         for k in 0..N {
             worst[0] = worst[0].max((both.headings[k].x - alone.headings[k].x).abs());
             worst[1] = worst[1].max(both.headings[k].z.abs());
@@ -192,7 +192,7 @@ pub fn turned() -> Result<Findings, ReproduceError> {
     ];
     Ok(Findings {
         claims,
-        picture: canvas::grid(&[shapes.draw(1100, 460), errors.draw(1100, 380)], 1, 4),
+        picture: canvas::grid(&[shapes.draw(1100, 460)?, errors.draw(1100, 380)?], 1, 4),
         tables: vec![("error.csv".into(), csv(["lag", "sub_step", "error_deg"], rows))],
         pictures: Vec::new(),
     })
@@ -240,7 +240,7 @@ pub fn compensation() -> Result<Findings, ReproduceError> {
     }
     Ok(Findings {
         claims,
-        picture: canvas::grid(&[shapes.draw(1000, 560), errors.draw(1000, 400)], 1, 4),
+        picture: canvas::grid(&[shapes.draw(1000, 560)?, errors.draw(1000, 400)?], 1, 4),
         tables: vec![("error.csv".into(), csv(["lag", "ratio", "sub_step", "error_deg"], rows))],
         pictures: Vec::new(),
     })

@@ -20,7 +20,7 @@ fn level() -> Quat {
 }
 
 /// Figure 3: (a) the tip angle of a bending root, (b) a kinked one.
-pub fn barlow() -> Findings {
+pub fn barlow() -> Result<Findings, ReproduceError> {
     let flank = |most, centre, spread| Relel { most, centre, spread };
     let root = |time| bend(flank(2.0, 3.0, 1.0), flank(1.0, 3.0, 1.0), time, 9.0, 1.0, 900);
     let figure = [(0.126, 18.1), (0.380, 54.5), (0.633, 90.8)];
@@ -57,12 +57,12 @@ pub fn barlow() -> Findings {
         [time, root(time).tip_angle.to_degrees()]
     });
     let table = csv(["t", "tip_angle_deg"], times);
-    Findings {
+    Ok(Findings {
         claims,
-        picture: canvas::side_by_side(&[bent.draw(520, 460), kink.draw(520, 460)], 4),
+        picture: canvas::side_by_side(&[bent.draw(520, 460)?, kink.draw(520, 460)?], 4),
         tables: vec![("tip_angle.csv".into(), table)],
         pictures: Vec::new(),
-    }
+    })
 }
 
 fn outline(plot: &mut Plot, name: &str, root: &BentRoot) {
@@ -95,7 +95,7 @@ pub fn auxin(size: PictureSettings, workers: &Workers) -> Result<Findings, Repro
         ends.push((name, course[course.len() - 1].1, least, root.clone()));
         rows.extend(course.iter().map(|(hour, a)| [name.to_string(), hour.to_string(), a.to_string()]));
         angle.line(name, course.iter().map(|(hour, a)| Vec2::new(*hour, *a)));
-        shapes.push(flanks(name, &root).draw(330, 300));
+        shapes.push(flanks(name, &root).draw(330, 300)?);
     }
     let mut hanging = AuxinRoot::new(plain, Quat::from_rotation_z(core::f32::consts::PI))?;
     hanging.grow(20.0);
@@ -158,7 +158,7 @@ pub fn auxin(size: PictureSettings, workers: &Workers) -> Result<Findings, Repro
         picture,
         tables: vec![("tip_angle.csv".into(), csv(["root", "hours", "tip_to_gravity_deg"], rows))],
         pictures: vec![
-            ("tip_angle.png".into(), angle.draw(900, 420)),
+            ("tip_angle.png".into(), angle.draw(900, 420)?),
             ("solid.png".into(), canvas::grid(&solids, 3, 4)),
         ],
     })
