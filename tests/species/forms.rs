@@ -1,6 +1,5 @@
 //! Form at ten years, and in release at thirty: ranges over five seeds, with what real trees measure.
 
-use burgeon::plant::measure::Form;
 use burgeon::reproduce::measure::tangles;
 
 use super::*;

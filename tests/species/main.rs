@@ -10,6 +10,7 @@ use burgeon::assets::Library;
 use burgeon::environment::SolidShape;
 use burgeon::files::ResolvedScenario;
 use burgeon::plant::Snapshot;
+use burgeon::plant::measure::Form;
 use burgeon::scenario::{Edit, PlacedSolid, Scenario, TimedEdit};
 use burgeon::species::Allocation;
 use common::check::check_solids;
@@ -20,10 +21,13 @@ fn alone(name: &str) -> ResolvedScenario {
     Library::embedded().alone(name).unwrap()
 }
 
-/// Names of the species that share energy by vigour: the trees and shrubs.
+/// Names of the species that share energy by vigour and live by the year: the trees and shrubs.
 fn trees() -> Vec<String> {
     let library = Library::embedded();
-    let grows = |name: &String| library.species(name).unwrap().allocation == Allocation::ByVigour;
+    let grows = |name: &String| {
+        let species = library.species(name).unwrap();
+        species.allocation == Allocation::ByVigour && species.steps_per_year == 1
+    };
     library.species_names().into_iter().filter(grows).collect()
 }
 
@@ -34,6 +38,25 @@ fn every_species_says_what_it_is_and_where_its_figures_come_from() {
     for name in library.species_names() {
         let species = library.species(&name).unwrap();
         assert!(species.description.len() > 20 && species.source.len() > 20, "{name}");
+    }
+}
+
+#[test]
+fn herbs_grow_up_in_a_season() {
+    let library = Library::embedded();
+    for (name, height, leaves) in [("lily", 0.9..1.5, 60..150), ("horneophyton", 0.12..0.22, 20..1500)] {
+        let season = library.species(name).unwrap().steps_per_year;
+        let plants = over_seeds(1..6, |seed| last(alone(name), seed, season));
+        for plant in &plants {
+            let form = Form::of(plant, None);
+            assert!(height.contains(&form.height_m), "{name}: {} m high", form.height_m);
+            assert!(leaves.contains(&form.leaves), "{name}: {} leaves", form.leaves);
+        }
+        let tips = |plant: &Snapshot| Form::of(plant, None).apical_buds;
+        match name {
+            "lily" => assert!(plants.iter().all(|lily| tips(lily) == 1), "one stem"),
+            _ => assert!(plants.iter().map(tips).sum::<u32>() > 5 * 4, "its axes fork and fork again"),
+        }
     }
 }
 
