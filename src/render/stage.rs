@@ -21,6 +21,8 @@ use super::record::{PlantEntry, Record};
 const AT_ONCE: usize = 1500;
 /// Frames until new buffers and materials are known to be ready.
 const SETTLING: u8 = 3;
+/// Frames for which chunks in buffers that were given up stay beside the new ones, which are not drawn at once.
+const LEAVING: u8 = 8;
 /// Distance at which wood is drawn with fewer sides: limbs, branches, twigs, metres.
 const FEWER_SIDES: [f32; 3] = [40.0, 24.0, 12.0];
 /// "For ever", metres.
@@ -39,13 +41,15 @@ pub struct Stage {
     shown: Option<Drawn>,
     sheets: Option<Sheets>,
     chunks: Vec<ChunkEntities>,
+    /// Chunks in buffers that were given up, those buffers, and how many frames they have been leaving.
+    leaving: Option<(Vec<ChunkEntities>, Sheets, u8)>,
     births: [Vec<u32>; 2],
 }
 
 impl Stage {
     /// Whether what is shown is what the host last asked for.
     pub fn is_settled(&self) -> bool {
-        self.packing.is_none() && self.packed.is_none() && self.shown.is_some()
+        self.packing.is_none() && self.packed.is_none() && self.leaving.is_none() && self.shown.is_some()
     }
 }
 
@@ -136,6 +140,13 @@ pub(super) struct Store<'w> {
 pub(super) fn land(mut commands: Commands, mut store: Store, mut stages: Query<(Entity, &mut Stage, &Look)>) {
     for (entity, mut stage, look) in &mut stages {
         let stage = &mut *stage;
+        if let Some((gone, sheets, age)) = stage.leaving.take() {
+            if age < LEAVING {
+                stage.leaving = Some((gone, sheets, age + 1));
+            } else {
+                despawn_chunks(&mut commands, gone);
+            }
+        }
         if let Some((of, mut task)) = stage.packing.take() {
             match check_ready(&mut task) {
                 Some(packed) => stage.packed = Some((of, packed)),
@@ -152,7 +163,13 @@ pub(super) fn land(mut commands: Commands, mut store: Store, mut stages: Query<(
             if stage.settling.as_ref().is_some_and(|(_, age)| *age < SETTLING) {
                 continue;
             }
-            stage.sheets = stage.settling.take().map(|(sheets, _)| sheets);
+            let new = stage.settling.take().map(|(sheets, _)| sheets);
+            if let Some(old) = core::mem::replace(&mut stage.sheets, new) {
+                if let Some((gone, ..)) = stage.leaving.take() {
+                    despawn_chunks(&mut commands, gone);
+                }
+                stage.leaving = Some((core::mem::take(&mut stage.chunks), old, 0));
+            }
         }
         let (Some(sheets), Some((of, packed))) = (stage.sheets.clone(), stage.packed.take()) else {
             continue;
@@ -299,6 +316,13 @@ impl Store<'_> {
     }
 }
 
+fn despawn_chunks(commands: &mut Commands, chunks: impl IntoIterator<Item = ChunkEntities>) {
+    for gone in chunks {
+        commands.entity(gone.near).despawn();
+        commands.entity(gone.far).despawn();
+    }
+}
+
 /// Makes the entities show these chunks, with as little change as can be.
 fn show_chunks(
     commands: &mut Commands,
@@ -309,10 +333,8 @@ fn show_chunks(
     sheets: &Sheets,
     look: &Look,
 ) {
-    for gone in entities.drain(chunks.len().min(entities.len())..) {
-        commands.entity(gone.near).despawn();
-        commands.entity(gone.far).despawn();
-    }
+    let over = chunks.len().min(entities.len());
+    despawn_chunks(commands, entities.drain(over..));
     for (k, chunk) in chunks.iter().enumerate() {
         if entities.len() == k {
             let mut spawn = || {
