@@ -33,8 +33,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             root.turn(Quat::from_rotation_z(RIGHT_ANGLE));
         }
         println!("{name}: the tip is {:.0} degrees off gravity", root.tip_angle().to_degrees());
-        for hours in [0, 10, 40] {
-            root.grow(if hours == 40 { 30.0 } else { hours as f32 });
+        for (more, hours) in [(0.0, 0), (10.0, 10), (30.0, 40)] {
+            root.grow(more);
             let aside = Vec2::X * 24.0 * pot as f32;
             grown.line(format!("{name}, {hours} h on"), outline(&root).map(|point| point + aside));
         }

@@ -10,7 +10,9 @@ use bevy::time::TimeUpdateStrategy;
 use burgeon::environment::probe::Sensing;
 use burgeon::growth::parts::StepParts;
 use burgeon::prelude::*;
-use burgeon::render::{Drawn, GrowthPace, LiveGarden, LiveGrowthPlugin, PlantRenderPlugin, StepFraction};
+use burgeon::render::{
+    Drawn, GrowthPace, LiveGarden, LiveGrowthPlugin, PlantRenderPlugin, Stage, StepFraction,
+};
 
 const FRAME: Duration = Duration::from_millis(20);
 
@@ -188,8 +190,41 @@ fn live_and_drawn() -> (App, Entity) {
     (app, oak)
 }
 
+fn drawn_meshes(world: &mut World) -> Vec<Entity> {
+    world.query_filtered::<Entity, With<Mesh3d>>().iter(world).collect()
+}
+
 fn meshes(world: &mut World) -> usize {
-    world.query::<&Mesh3d>().iter(world).count()
+    drawn_meshes(world).len()
+}
+
+#[test]
+fn what_is_drawn_stays_for_some_frames_beside_what_takes_its_place() {
+    let (mut app, oak) = live_and_drawn();
+    frames(&mut app, |world| shown_step(world) >= 9);
+    let grown = drawn(app.world_mut()).unwrap().now;
+    app.world_mut().despawn(oak);
+    frames(&mut app, |world| meshes(world) == 0);
+
+    let mut young = App::new();
+    young.add_plugins(MinimalPlugins);
+    garden(&mut young);
+    grow(young.world_mut(), 3);
+    let young = Snapshot::take(young.world());
+    let set_out = app.world_mut().spawn(Drawn::still(young)).id();
+    let settled = move |world: &mut World| world.get::<Stage>(set_out).is_some_and(Stage::is_settled);
+    frames(&mut app, settled);
+    let old = drawn_meshes(app.world_mut());
+    app.world_mut().entity_mut(set_out).insert(Drawn::still(grown));
+    // So much larger that it is drawn from other buffers: nothing goes before the new has been there for a while.
+    let is_old = move |world: &mut World| old.iter().filter(|mesh| world.entities().contains(**mesh)).count();
+    let before = is_old(app.world_mut());
+    frames(&mut app, |world| meshes(world) > before);
+    assert_eq!(is_old(app.world_mut()), before);
+    let beside = frames(&mut app, |world| is_old(world) < before);
+    assert!((5..20).contains(&beside), "{beside} frames");
+    assert_eq!(is_old(app.world_mut()), 0);
+    frames(&mut app, settled);
 }
 
 #[test]

@@ -144,12 +144,11 @@ pub fn form_nodes(
     mut buds: Query<(&Identity, &BranchOrder, &Exposure, &mut Allotment, &ApicalBud)>,
     mut parts: ResMut<StepParts>,
 ) {
-    parts.rest = None;
     let nodes = core::mem::take(&mut fresh.0);
     for (k, node) in nodes.iter().enumerate() {
         if k > 0 && k % AT_ONCE == 0 && parts.is_time_up() {
             fresh.0.extend_from_slice(&nodes[k..]);
-            parts.leave_off_within(k as u32..nodes.len() as u32);
+            parts.leave_off_within();
             break;
         }
         let Ok((identity, order, exposure, mut allotment, bud)) = buds.get_mut(node.bud) else { continue };

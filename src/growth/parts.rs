@@ -63,7 +63,7 @@ pub struct StepParts {
     /// Whether this run of the schedule leaves off here.
     #[reflect(ignore)]
     left_off: AtomicBool,
-    /// What is left to the system that left off within its turn, as it counts.
+    /// What is left to the system that left off within its turn, by births or indices, if it has to be told.
     #[reflect(ignore)]
     pub(super) rest: Option<Range<u32>>,
     /// When to leave off; `None`: at the end of the step.
@@ -101,10 +101,8 @@ impl StepParts {
         self.until.is_some_and(|until| Instant::now() >= until)
     }
 
-    /// Leaves off within the system that has its turn: it has another at the beginning of the next part, and finds
-    /// [`StepParts::rest`] there.
-    pub(super) fn leave_off_within(&mut self, rest: Range<u32>) {
-        self.rest = Some(rest);
+    /// Leaves off within the system that has its turn: it has another at the beginning of the next part.
+    pub(super) fn leave_off_within(&mut self) {
         *self.done.get_mut() -= 1;
         *self.left_off.get_mut() = true;
     }
@@ -127,7 +125,8 @@ impl StepParts {
 }
 
 /// Grows a step, or goes on with one, for about as long as `budget`: no system is begun after it, those that take
-/// longest leave off within, and whenever organs look around this thread leaves off at once and others go on. Call it again, a frame later, until it is over.
+/// longest leave off within, and whenever organs look around this thread leaves off at once and others go on. Call it
+/// again, a frame later, until it is over.
 ///
 /// Between two calls the world is the host's. What it changes counts from the next stage that reads it; a plant that is
 /// despawned takes its organs along as ever. [`grow`](super::grow) and a plain run of [`GrowthStep`] bring a step that

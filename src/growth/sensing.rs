@@ -104,7 +104,7 @@ impl SensingJob {
         }
     }
 
-    /// Becomes what the world's organs will read.
+    /// Becomes what the world's organs will read; the memory of `spare` is used again.
     pub(super) fn install(self, world: &mut World, spare: Snapshot) {
         world.resource_mut::<StepParts>().spare = spare;
         world.insert_resource(ProbeCount(self.requests.len()));
@@ -285,8 +285,9 @@ pub fn choose_growth_targets(world: &mut World) {
     let first = world.resource_mut::<StepParts>().rest.take().map_or(0, |rest| rest.start as usize);
     for (k, &(entity, index)) in job.lookers.iter().enumerate().skip(first) {
         if k > first && k % (16 * AT_ONCE) == 0 && world.resource::<StepParts>().is_time_up() {
-            let rest = k as u32..job.lookers.len() as u32;
-            world.resource_mut::<StepParts>().leave_off_within(rest);
+            let mut parts = world.resource_mut::<StepParts>();
+            parts.rest = Some(k as u32..job.lookers.len() as u32);
+            parts.leave_off_within();
             world.insert_resource(job);
             return;
         }

@@ -190,7 +190,8 @@ pub fn extend_shoots(
             continue;
         }
         if buds_seen > 0 && buds_seen % AT_ONCE == 0 && parts.is_time_up() {
-            parts.leave_off_within(birth..asked.end);
+            parts.rest = Some(birth..asked.end);
+            parts.leave_off_within();
             break;
         }
         buds_seen += 1;

@@ -174,7 +174,7 @@ impl Snapshot {
         Self::default().taken_anew(world)
     }
 
-    /// Takes another in the place of one that is no longer needed: its memory is used again, which saves half the time.
+    /// Takes a snapshot in the memory of one that is no longer needed.
     pub fn taken_anew(mut self, world: &World) -> Self {
         let Some(roster) = world.get_resource::<Roster>() else { return Self::default() };
         fn fill<T: Clone>(column: &mut Vec<T>, n: usize, with: T) {
@@ -201,7 +201,7 @@ impl Snapshot {
         self.state.clear();
         self.state.extend(roster.kind.iter().map(|kind| OrganState::none(*kind)));
         self.signals.clear();
-        // As they lie in memory, which is many times faster than by birth.
+        // As they lie in memory.
         let places = roster.places();
         let Some(mut parts) = world.try_query_filtered::<(Entity, OrganParts), AnyOrgan>() else {
             return self;

@@ -1,8 +1,7 @@
 //! What the window knows.
 
-use std::time::{Duration, Instant};
-
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use bevy::prelude::*;
 
