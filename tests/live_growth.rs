@@ -228,6 +228,21 @@ fn what_is_drawn_stays_for_some_frames_beside_what_takes_its_place() {
 }
 
 #[test]
+fn a_frame_that_is_slow_anyway_shows_what_is_there() {
+    let (mut app, _) = live_and_drawn();
+    frames(&mut app, |world| shown_step(world) >= 10);
+    let grown = drawn(app.world_mut()).unwrap().now;
+    assert!(grown.len() > 1500, "{} organs are packed at once in any case", grown.len());
+    app.world_mut().resource_mut::<GrowthPace>().paused = true;
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs(1)));
+    let other = app.world_mut().spawn(Drawn::still(grown)).id();
+    for _ in 0..2 {
+        app.update();
+    }
+    assert!(app.world().get::<Stage>(other).is_some_and(Stage::is_settled));
+}
+
+#[test]
 fn a_plant_that_is_despawned_takes_its_organs_and_meshes_along() {
     let (mut app, oak) = live_and_drawn();
     let hazel = Plant::new(Species::named("hazel").unwrap(), 2);

@@ -19,8 +19,8 @@ use super::record::{PlantEntry, Record};
 
 /// Organs in both states together up to which packing is done at once.
 const AT_ONCE: usize = 1500;
-/// Frames until new buffers and materials are known to be ready.
-const SETTLING: u8 = 3;
+/// Length of a frame that is slow in any case, so that packing does not lengthen it by much, seconds.
+const SLOW: f32 = 0.1;
 /// Frames for which chunks in buffers that were given up stay beside the new ones, which are not drawn at once.
 const LEAVING: u8 = 8;
 /// Distance at which wood is drawn with fewer sides: limbs, branches, twigs, metres.
@@ -33,23 +33,21 @@ const FAR: f32 = 1.0e6;
 pub struct Stage {
     /// What is being packed on another thread, and of what.
     packing: Option<(Drawn, Task<Packed>)>,
-    /// What is packed.
+    /// What is packed, until it lands.
     packed: Option<(Drawn, Packed)>,
-    /// New buffers for what is packed, and how many frames they have been there.
-    settling: Option<(Sheets, u8)>,
     /// What is shown.
     shown: Option<Drawn>,
     sheets: Option<Sheets>,
     chunks: Vec<ChunkEntities>,
-    /// Chunks in buffers that were given up, those buffers, and how many frames they have been leaving.
-    leaving: Option<(Vec<ChunkEntities>, Sheets, u8)>,
+    /// Chunks in buffers that were given up, those buffers, and how many frames they still have.
+    leaving: Vec<(Vec<ChunkEntities>, Sheets, u8)>,
     births: [Vec<u32>; 2],
 }
 
 impl Stage {
     /// Whether what is shown is what the host last asked for.
     pub fn is_settled(&self) -> bool {
-        self.packing.is_none() && self.packed.is_none() && self.leaving.is_none() && self.shown.is_some()
+        self.packing.is_none() && self.packed.is_none() && self.leaving.is_empty() && self.shown.is_some()
     }
 }
 
@@ -94,6 +92,7 @@ struct Clock {
 pub(super) fn begin_packing(
     mut commands: Commands,
     settings: Res<DrawSettings>,
+    time: Res<Time<Real>>,
     mut drawn: Query<(Entity, &Drawn, Option<&mut Stage>)>,
 ) {
     for (entity, drawn, stage) in &mut drawn {
@@ -101,16 +100,12 @@ pub(super) fn begin_packing(
             commands.entity(entity).insert(Stage::default());
             continue;
         };
-        let latest = stage.packed.as_ref().map(|(of, _)| of).or(stage.shown.as_ref());
-        if stage.packing.is_some() || latest.is_some_and(|latest| is_same(latest, drawn)) {
-            continue;
-        }
-        // What is packed but not yet shown is shown first: its buffers may be on their way.
-        if stage.packed.is_some() {
+        if stage.packing.is_some() || stage.shown.as_ref().is_some_and(|shown| is_same(shown, drawn)) {
             continue;
         }
         let of = drawn.clone();
-        if settings.pack_at_once || of.before.len() + of.now.len() < AT_ONCE {
+        let at_once = settings.pack_at_once || time.delta_secs() > SLOW;
+        if at_once || of.before.len() + of.now.len() < AT_ONCE {
             let packed = pack(&of.before, &of.now);
             stage.packed = Some((of, packed));
         } else {
@@ -136,48 +131,38 @@ pub(super) struct Store<'w> {
     settings: Res<'w, DrawSettings>,
 }
 
-/// Shows what has been packed, once there are buffers that hold it.
+/// Shows what has been packed, in buffers that hold it.
 pub(super) fn land(mut commands: Commands, mut store: Store, mut stages: Query<(Entity, &mut Stage, &Look)>) {
     for (entity, mut stage, look) in &mut stages {
         let stage = &mut *stage;
-        if let Some((gone, sheets, age)) = stage.leaving.take() {
-            if age < LEAVING {
-                stage.leaving = Some((gone, sheets, age + 1));
-            } else {
-                despawn_chunks(&mut commands, gone);
+        for (gone, _, frames) in &mut stage.leaving {
+            *frames -= 1;
+            if *frames == 0 {
+                despawn_chunks(&mut commands, gone.drain(..));
             }
         }
+        stage.leaving.retain(|(_, _, frames)| *frames > 0);
         if let Some((of, mut task)) = stage.packing.take() {
             match check_ready(&mut task) {
                 Some(packed) => stage.packed = Some((of, packed)),
                 None => stage.packing = Some((of, task)),
             }
         }
-        let Some((_, packed)) = &stage.packed else { continue };
-        if !stage.sheets.as_ref().is_some_and(|sheets| sheets.hold(packed)) {
-            match &mut stage.settling {
-                // Buffers too small for it begin anew.
-                Some((sheets, age)) if sheets.hold(packed) => *age += 1,
-                settling => *settling = Some((store.sheets(packed), 0)),
-            }
-            if stage.settling.as_ref().is_some_and(|(_, age)| *age < SETTLING) {
-                continue;
-            }
-            let new = stage.settling.take().map(|(sheets, _)| sheets);
-            if let Some(old) = core::mem::replace(&mut stage.sheets, new) {
-                if let Some((gone, ..)) = stage.leaving.take() {
-                    despawn_chunks(&mut commands, gone);
+        let Some((of, packed)) = stage.packed.take() else { continue };
+        let sheets = match stage.sheets.take() {
+            Some(sheets) if sheets.hold(&packed) => sheets,
+            given_up => {
+                if let Some(old) = given_up {
+                    stage.leaving.push((core::mem::take(&mut stage.chunks), old, LEAVING));
                 }
-                stage.leaving = Some((core::mem::take(&mut stage.chunks), old, 0));
+                store.sheets(&packed)
             }
-        }
-        let (Some(sheets), Some((of, packed))) = (stage.sheets.clone(), stage.packed.take()) else {
-            continue;
         };
         store.fill(&sheets, &packed);
         stage.births =
             [&packed.rings, &packed.blades].map(|records| records.iter().map(Record::birth).collect());
         show_chunks(&mut commands, &mut store, entity, &mut stage.chunks, &packed.chunks, &sheets, look);
+        stage.sheets = Some(sheets);
         stage.shown = Some(of);
     }
 }

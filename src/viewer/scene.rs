@@ -57,8 +57,11 @@ pub(super) fn show_plants(
         }
     }
     let beat = course.progress.pace.filter(|_| course.progress.playing).map_or(CHANGE, |pace| 1.0 / pace);
-    *passed += time.delta_secs();
-    fraction.set_if_neq(StepFraction((*passed / beat.clamp(0.05, 4.0)).min(1.0)));
+    let (frame, beat) = (time.delta_secs(), beat.clamp(0.05, 4.0));
+    *passed += frame;
+    // So few frames are no movement: each shows the end of a step, not one in a hard winter.
+    let few = frame * 4.0 > beat;
+    fraction.set_if_neq(StepFraction(if few { 1.0 } else { (*passed / beat).min(1.0) }));
     let wanted = Look { overlay: shown.overlay, ghost: None };
     look.set_if_neq(wanted);
     match (&shown.ghost, old.single_mut()) {
