@@ -3,6 +3,7 @@
 
 use std::time::{Duration, Instant};
 
+use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::settings::{RenderCreation, WgpuSettings};
@@ -225,6 +226,31 @@ fn what_is_drawn_stays_for_some_frames_beside_what_takes_its_place() {
     assert!((5..20).contains(&beside), "{beside} frames");
     assert_eq!(is_old(app.world_mut()), 0);
     frames(&mut app, settled);
+}
+
+#[test]
+fn a_mesh_on_screen_never_becomes_another() {
+    // It would be drawn for a frame with the material or the records of the one it was.
+    #[derive(Resource, Default)]
+    struct Seen(EntityHashMap<Handle<Mesh>>);
+    fn watch(meshes: Query<(Entity, &Mesh3d)>, mut seen: ResMut<Seen>) {
+        for (entity, mesh) in &meshes {
+            assert_eq!(seen.0.entry(entity).or_insert(mesh.0.clone()), &mesh.0);
+        }
+    }
+    let (mut app, _) = live_and_drawn();
+    app.init_resource::<Seen>().add_systems(Last, watch);
+    frames(&mut app, |world| shown_step(world) >= 10);
+    let grown = drawn(app.world_mut()).unwrap();
+    app.world_mut().resource_mut::<GrowthPace>().paused = true;
+    let garden = app.world_mut().query_filtered::<Entity, With<LiveGarden>>().single(app.world()).unwrap();
+    // Back and forth between the steps, as along a timeline.
+    for shot in [&grown.before, &grown.now, &grown.before] {
+        app.world_mut().entity_mut(garden).insert(Drawn::still(shot.clone()));
+        (0..10).for_each(|_| frame(&mut app));
+    }
+    let Seen(seen) = app.world_mut().remove_resource().unwrap();
+    assert!(seen.len() > meshes(app.world_mut()), "no mesh ever went");
 }
 
 #[test]

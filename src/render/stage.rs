@@ -1,5 +1,7 @@
 //! From [`Drawn`] to buffers and meshes: packs what changed, writes the clock, keeps the chunks.
 
+use std::collections::{HashMap, VecDeque};
+
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{NoAutoAabb, VisibilityRange};
@@ -51,7 +53,11 @@ impl Stage {
     }
 }
 
+/// A chunk on screen. It keeps class and capacity for life: an entity whose mesh or material changes is drawn for a
+/// frame with the one it had.
 struct ChunkEntities {
+    class: Class,
+    capacity: u8,
     near: Entity,
     far: Entity,
 }
@@ -318,43 +324,42 @@ fn show_chunks(
     sheets: &Sheets,
     look: &Look,
 ) {
-    let over = chunks.len().min(entities.len());
-    despawn_chunks(commands, entities.drain(over..));
-    for (k, chunk) in chunks.iter().enumerate() {
-        if entities.len() == k {
-            let mut spawn = || {
-                let mut entity = commands.spawn((ChildOf(parent), NoAutoAabb));
+    let mut free: HashMap<(Class, u8), VecDeque<ChunkEntities>> = HashMap::new();
+    for entity in entities.drain(..) {
+        free.entry((entity.class, entity.capacity)).or_default().push_back(entity);
+    }
+    for chunk in chunks {
+        let there = free.get_mut(&(chunk.class, chunk.capacity)).and_then(VecDeque::pop_front);
+        let shown = there.unwrap_or_else(|| {
+            let mut spawn = |detail| {
+                let mesh = store.chunk_meshes.get(&mut store.meshes, chunk.class, chunk.capacity, detail);
+                let leaf = matches!(chunk.class, Class::Blades(_));
+                let material = if leaf { &sheets.leaves.material } else { &sheets.wood.material };
+                let drawn = (Mesh3d(mesh), MeshMaterial3d(material.clone()));
+                let mut entity = commands.spawn((ChildOf(parent), NoAutoAabb, drawn));
+                if leaf {
+                    entity.insert(TransmittedShadowReceiver);
+                }
                 if look.ghost.is_some() {
                     entity.insert(NotShadowCaster);
                 }
                 entity.id()
             };
-            let (near, far) = (spawn(), spawn());
-            entities.push(ChunkEntities { near, far });
-        }
-        let leaf = matches!(chunk.class, Class::Blades(_));
-        let material = if leaf { &sheets.leaves.material } else { &sheets.wood.material };
+            let (near, far) = (spawn(Detail::Near), spawn(Detail::Far));
+            ChunkEntities { class: chunk.class, capacity: chunk.capacity, near, far }
+        });
         let edge = far_from(chunk, &store.settings);
         let last = if chunk.class == Class::Twigs { store.settings.twig_distance.max(edge) } else { FAR };
-        let ranges =
-            [(Detail::Near, 0.0, edge, entities[k].near), (Detail::Far, edge, last, entities[k].far)];
-        for (detail, start, end, entity) in ranges {
-            let mesh = store.chunk_meshes.get(&mut store.meshes, chunk.class, chunk.capacity, detail);
-            let mut entity = commands.entity(entity);
-            entity.insert((
-                Mesh3d(mesh),
-                MeshMaterial3d(material.clone()),
+        for (start, end, entity) in [(0.0, edge, shown.near), (edge, last, shown.far)] {
+            commands.entity(entity).insert((
                 MeshTag(chunk.first),
                 Aabb::from_min_max(chunk.min, chunk.max),
                 VisibilityRange { start_margin: start..start, end_margin: end..end, use_aabb: true },
             ));
-            if leaf {
-                entity.insert(TransmittedShadowReceiver);
-            } else {
-                entity.remove::<TransmittedShadowReceiver>();
-            }
         }
+        entities.push(shown);
     }
+    despawn_chunks(commands, free.into_values().flatten());
 }
 
 /// The distance from its middle at which a chunk is drawn with less detail, metres, in whole strides so that few
