@@ -46,7 +46,7 @@ pub(super) fn follow(
                 }
                 there &= seek_ghost(&gardener, &shown, &course);
                 if let Some(shed) = shed.filter(|shed| *shed > 0) {
-                    toasts.tell(format!("{shed} organs shed"));
+                    toasts.tell(format!("{} shed", super::panels::bars::organs(shed)));
                 }
             }
             News::Began { scenario, save } => {

@@ -1,6 +1,6 @@
 //! The panels around the scene.
 
-mod bars;
+pub(super) mod bars;
 mod garden;
 
 use bevy::prelude::*;
@@ -204,10 +204,10 @@ fn overlay(context: &egui::Context, seen: &Seen, panels: &mut Panels, toasts: &m
     };
     let top = egui::vec2(0.5 * (room.left - room.right), room.top + 10.0);
     let word = match seen.tool {
-        Tool::Prune if seen.doomed > 0 => Some(format!("click cuts {} organs", seen.doomed)),
+        Tool::Prune if seen.doomed > 0 => Some(format!("click cuts {}", bars::organs(seen.doomed))),
         Tool::Prune => Some("point at a branch to cut it".into()),
         Tool::Place(_) => Some("click on the ground to set it".into()),
-        Tool::Choose if seen.doomed > 0 => Some(format!("would shed {} organs", seen.doomed)),
+        Tool::Choose if seen.doomed > 0 => Some(format!("would shed {}", bars::organs(seen.doomed))),
         Tool::Choose => None,
     };
     if let Some(word) = word {

@@ -124,9 +124,17 @@ pub(super) fn timeline(ui: &mut Ui, seen: &Seen, act: &mut impl FnMut(Action)) {
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            ui.colored_label(style::ink(ui, style::LEAF), format!("{} organs", thousands(progress.organs)));
+            ui.colored_label(style::ink(ui, style::LEAF), organs(progress.organs));
         });
     });
+}
+
+/// So many organs.
+pub(in crate::viewer) fn organs(number: usize) -> String {
+    match number {
+        1 => "1 organ".to_owned(),
+        _ => format!("{} organs", thousands(number)),
+    }
 }
 
 /// A number with its thousands apart.

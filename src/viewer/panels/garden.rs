@@ -2,7 +2,7 @@
 
 use bevy::prelude::Vec3;
 use bevy_egui::egui::{self, Ui};
-use egui_plot::{Line, Plot, PlotPoints};
+use egui_plot::{Line, Plot, PlotPoints, VLine};
 
 use super::{Panels, Seen};
 use crate::environment::{Lamp, Sky};
@@ -58,7 +58,7 @@ pub(super) fn garden(
     ui.add_space(4.0);
     standing(ui, seen, act);
     ui.add_space(8.0);
-    numbers(ui, &seen.course.records);
+    numbers(ui, &seen.course.records, seen.past.0);
 }
 
 /// What stands here; what is chosen can be changed.
@@ -118,11 +118,12 @@ fn shine(ui: &mut Ui, lamp: &Fixture<Lamp>, act: &mut impl FnMut(Action)) {
     }
 }
 
-/// The course in numbers.
-fn numbers(ui: &mut Ui, records: &[StepRecord]) {
-    let Some(last) = records.last() else { return };
+/// The course in numbers, and the step looked at if it is a past one.
+fn numbers(ui: &mut Ui, records: &[StepRecord], past: Option<u32>) {
+    let of_past = past.and_then(|step| records.iter().find(|record| record.step == step));
+    let Some(shown) = of_past.or(records.last()) else { return };
     ui.heading("The tree by step");
-    let form = &last.form;
+    let form = &shown.form;
     egui::Grid::new("form").num_columns(4).spacing([10.0, 2.0]).show(ui, |ui| {
         let cell = |ui: &mut Ui, name: &str, value: String| {
             ui.weak(name);
@@ -138,7 +139,7 @@ fn numbers(ui: &mut Ui, records: &[StepRecord]) {
     plot(
         ui,
         "metres",
-        records,
+        (records, past),
         &[
             ("height", style::LEAF, &|r| f64::from(r.form.height_m)),
             ("crown width", style::SKY, &|r| f64::from(r.form.crown_width_m)),
@@ -147,17 +148,18 @@ fn numbers(ui: &mut Ui, records: &[StepRecord]) {
     plot(
         ui,
         "energy",
-        records,
+        (records, past),
         &[
             ("income", style::AMBER, &|r| r.income),
             ("growth", style::LEAF, &|r| r.growth),
             ("upkeep", style::RUST, &|r| r.upkeep),
         ],
     );
-    plot(ui, "light of leaves", records, &[("light", style::AMBER, &|r| r.form.mean_light)]);
-    let seconds = &last.seconds;
+    plot(ui, "light of leaves", (records, past), &[("light", style::AMBER, &|r| r.form.mean_light)]);
+    let seconds = &shown.seconds;
     ui.weak(format!(
-        "last step {:.0} ms: generate {:.1}, update {:.1}, sense {:.0}",
+        "step {} took {:.0} ms: generate {:.1}, update {:.1}, sense {:.0}",
+        shown.step,
         1e3 * (seconds.generate + seconds.update + seconds.sense + seconds.finish),
         1e3 * seconds.generate,
         1e3 * seconds.update,
@@ -167,13 +169,14 @@ fn numbers(ui: &mut Ui, records: &[StepRecord]) {
 
 type Value<'a> = (&'a str, egui::Color32, &'a dyn Fn(&StepRecord) -> f64);
 
-fn plot(ui: &mut Ui, name: &str, records: &[StepRecord], values: &[Value]) {
+fn plot(ui: &mut Ui, name: &str, (records, past): (&[StepRecord], Option<u32>), values: &[Value]) {
     ui.horizontal(|ui| {
         ui.weak(name);
         for (name, color, _) in values {
             ui.colored_label(style::ink(ui, *color), egui::RichText::new(*name).small());
         }
     });
+    let ink = ui.visuals().weak_text_color();
     let inks: Vec<_> = values.iter().map(|(_, color, _)| style::ink(ui, *color)).collect();
     Plot::new(name)
         .height(64.0)
@@ -185,6 +188,9 @@ fn plot(ui: &mut Ui, name: &str, records: &[StepRecord], values: &[Value]) {
         .allow_scroll(false)
         .include_y(0.0)
         .show(ui, |plot| {
+            if let Some(step) = past {
+                plot.vline(VLine::new("", f64::from(step)).color(ink).allow_hover(false));
+            }
             for ((name, _, value), color) in values.iter().zip(inks) {
                 let points: PlotPoints = records.iter().map(|r| [f64::from(r.step), value(r)]).collect();
                 plot.line(Line::new(*name, points).color(color).width(1.6));
