@@ -35,7 +35,7 @@ use clap::{Parser, Subcommand};
     after_help = "Exit codes: 0 done, 1 bad input or a file that could not be written, 2 wrong usage,\n\
                   3 stopped early by a limit or an edit that could not be made (what has grown is kept),\n\
                   4 a run grown again is not the same tree, 5 no display or graphics adapter for a window,\n\
-                  6 the graphics device was lost (what has grown is saved)."
+                  6 the graphics device was lost (what has grown is saved), 7 a figure does not show what its paper says."
 )]
 struct Cli {
     #[command(subcommand)]
@@ -118,6 +118,9 @@ enum Failure {
     /// An edit of the scenario could not be made.
     #[error("the edit at step {step} could not be made: {why}")]
     Lapsed { step: u32, why: String },
+    /// A figure does not show what the paper says of it.
+    #[error("{failed} of {all} claims do not hold")]
+    Claims { failed: usize, all: usize },
     /// A run grown again differs.
     #[error("not the same tree: it first differs at step {0}")]
     NotTheSame(u32),
@@ -129,6 +132,7 @@ impl Failure {
             Self::Usage(_) => 2,
             Self::Stopped(_) | Self::Lapsed { .. } => 3,
             Self::NotTheSame(_) => 4,
+            Self::Claims { .. } => 7,
             #[cfg(feature = "viewer")]
             Self::Watch(why) => match why {
                 WatchError::NoDisplay | WatchError::NoAdapter => 5,

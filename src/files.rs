@@ -4,6 +4,7 @@
 //! is clamped silently and nothing is half loaded.
 
 mod check;
+mod mtg;
 mod read;
 mod ron_text;
 mod run;
@@ -15,6 +16,7 @@ mod skeleton;
 mod source;
 mod species;
 
+pub use mtg::{mtg_skeletons, read_mtg};
 pub use read::{inside, read_text, replace_file, write_whole};
 #[cfg(feature = "assets")]
 pub(crate) use read::{leads_down, text_of};

@@ -139,7 +139,7 @@ parameters! {
         light_cell_m: f32 = 0.0, "m", Range::real(0.0, 10.0);
         /// Distance beyond which free space no longer counts.
         space_range_m: f32 = 1.0, "m", Range::real(0.01, 1000.0);
-        /// Disturbance: random crookedness of a new shoot, standard deviation, not corrected before it is sensed.
+        /// Disturbance: random crookedness of a new shoot, standard deviation, sensed and corrected later: 0 none, 20 zigzag.
         wander_deg: f32 = 0.0, "deg", Range::real(0.0, 90.0);
 
         // Energy
@@ -229,7 +229,7 @@ parameters! {
         wander_spread: Spread = Spread::Gaussian, "", Range::any();
         /// Steady disturbance that circles about the stem as it grows (nutation), each sub-step: 0 none, 10 coils.
         nutation_deg: f32 = 0.0, "deg", Range::real(0.0, 90.0);
-        /// Length grown while nutation circles once.
+        /// Length grown while nutation circles once: a hundredth of a shoot makes a fine screw, all of it one bow.
         nutation_m: f32 = 1.0, "m", Range::real(0.001, 1000.0);
         /// Phototropism by order: weight in the target of the heading that light and space chose; 0 is blind to them.
         phototropism: ByOrder = ByOrder::all(1.0), "", Range::real(0.0, 100.0);
@@ -237,7 +237,7 @@ parameters! {
         gravitropism: ByOrder = ByOrder::all(0.0), "", Range::real(-100.0, 100.0);
         /// Orthotropism by order: weight of up that an axis reaches only with length; large turns its end upright.
         orthotropism: ByOrder = ByOrder::all(0.0), "", Range::real(0.0, 100.0);
-        /// Length of an axis over which its orthotropism rises from nothing.
+        /// Length of an axis over which its orthotropism rises from nothing: short turns it up at once, long never quite.
         orthotropism_m: f32 = 1.0, "m", Range::real(0.001, 1000.0);
         /// Plagiotropism by order: weight of the level in the target; large spreads shoots flat.
         plagiotropism: ByOrder = ByOrder::all(0.0), "", Range::real(0.0, 100.0);

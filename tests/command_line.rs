@@ -299,3 +299,60 @@ fn why_tells_what_a_bud_saw_and_chose_and_what_became_of_the_fallen() {
     let (_, err) = ends(at, "why figure_1d --steps 2 --bud 99999", 1);
     assert!(err.contains("no organ 99999"), "{err}");
 }
+
+#[test]
+fn siblings_of_plants_from_anywhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    ends(at, "grow open --steps 5 --mtg --out grown", 0);
+    let siblings = |arguments: &str| {
+        let (out, _) =
+            ends(at, &format!("vary {arguments} --count 3 --sheet-only --force --out siblings"), 0);
+        let table = std::fs::read_to_string(at.join("siblings/siblings.csv")).unwrap();
+        let rows: Vec<Vec<f64>> =
+            table.lines().skip(1).map(|row| row.split(',').map(|n| n.parse().unwrap()).collect()).collect();
+        assert_eq!(rows.len(), 4, "{out}");
+        for row in &rows {
+            // As many nodes, as long.
+            assert_eq!(row[1..3], rows[0][1..3]);
+        }
+        rows[0].clone()
+    };
+    let grown = siblings("open --steps 5");
+    let read = siblings("grown/tree.mtg --species oak");
+    assert_eq!(grown[1..], read[1..]);
+    let stem = "(stems: [(points: [(0, 0, 0), (0, 0.5, 0), (0, 1, 0)])])";
+    std::fs::write(at.join("stem.ron"), stem).unwrap();
+    assert_eq!(siblings("stem.ron")[1..], [2.0, 1.0, 1.0]);
+    assert!(siblings("lily --steps 8")[1] > 2.0);
+
+    // What cannot be is refused, and says why.
+    for (arguments, code, told) in [
+        ("vary stem.ron --steps 4", 2, "--steps changes nothing in a skeleton file"),
+        ("vary grown/tree.mtg --set scenario.ground=false", 2, "--set changes nothing in an MTG"),
+        ("vary stem.ron --index 1", 1, "there is no plant 1"),
+        ("vary grown/tree.mtg --index 3", 1, "there is no plant 3"),
+        ("vary open --species oak", 2, "--species is for"),
+        ("vary open --ratio 0", 1, "ratio"),
+    ] {
+        let (_, err) = ends(at, arguments, code);
+        assert!(err.contains(told), "{err}");
+    }
+    let (out, _) = ends(at, "check stem.ron grown/tree.mtg", 0);
+    assert!(out.contains("skeleton skeleton with 2 nodes") && out.contains("an MTG of 1 plants"), "{out}");
+}
+
+#[test]
+fn figures_of_streit_hold_and_the_meter_tells_what_is_stable() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for figure in ["streit-3", "streit-7", "streit-8", "streit-9"] {
+        let claims = json(at, &format!("reproduce {figure} --json --out {figure}"));
+        let claims = claims.as_array().unwrap();
+        assert!(!claims.is_empty() && claims.iter().all(|claim| claim["holds"] == true), "{claims:?}");
+        assert!(at.join(figure).join("figure.png").exists());
+    }
+    let meter = |ratio: f32| ends(at, &format!("stability --lag 10 --ratio {ratio}"), 0).0;
+    assert!(meter(1.0).contains("stable") && !meter(1.0).contains("unstable"), "{}", meter(1.0));
+    assert!(meter(0.5).contains("unstable"), "{}", meter(0.5));
+}

@@ -5,6 +5,8 @@ mod common;
 use std::collections::HashMap;
 
 use burgeon::export::{mtg::write_mtg, obj};
+use burgeon::files::mtg_skeletons;
+use burgeon::plant::skeleton::{Skeleton, StemSegment};
 use burgeon::plant::{NO_PARENT, OrganKind, OrganState, Snapshot};
 use burgeon::shape::{leaves::leaves, tubes::wood};
 use common::{grown, quick};
@@ -104,6 +106,41 @@ fn an_mtg_tells_what_grows_from_what_and_where() {
             followed[vertex.parent.unwrap()] += 1;
         }
         assert!(followed.iter().all(|&n| n <= 1));
+    }
+}
+
+#[test]
+fn an_mtg_is_read_as_the_skeleton_it_was_written_from() {
+    for shot in trees() {
+        let mut text = Vec::new();
+        write_mtg(&shot, &mut text).unwrap();
+        let read = mtg_skeletons(std::str::from_utf8(&text).unwrap(), "tree.mtg").unwrap();
+        assert_eq!(read.len(), shot.plants.len());
+        for (plant, read) in (0..).zip(read) {
+            let known = Skeleton::of(&shot, plant).unwrap();
+            read.check().unwrap();
+            assert_eq!((read.nodes(), read.leaves.len()), (known.nodes(), known.leaves.len()));
+            assert!((read.total_length() - known.total_length()).abs() < 1e-3);
+            // The file goes along the axes, the plant by birth: compared by where things are.
+            let sorted = |skeleton: &Skeleton| {
+                let mut stems: Vec<_> = skeleton.segments.iter().map(|stem| (stem.tip(), *stem)).collect();
+                stems.sort_by(|a, b| a.0.to_array().partial_cmp(&b.0.to_array()).unwrap());
+                stems
+            };
+            for ((tip, stem), (known_tip, known_stem)) in sorted(&read).into_iter().zip(sorted(&known)) {
+                assert!(tip.distance(known_tip) < 1e-4, "{tip} {known_tip}");
+                assert_eq!(stem.radius, known_stem.radius);
+                // Of two shoots that go on with an axis, an MTG has one as borne.
+                assert!(stem.order >= known_stem.order);
+                let base = |of: &Skeleton, stem: StemSegment| {
+                    (stem.parent != NO_PARENT).then(|| of.segments[stem.parent as usize].tip())
+                };
+                match (base(&read, stem), base(&known, known_stem)) {
+                    (Some(base), Some(known)) => assert!(base.distance(known) < 1e-4),
+                    (base, known) => assert_eq!(base, known),
+                }
+            }
+        }
     }
 }
 

@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use burgeon::assets::FileKind;
-use burgeon::files::{RunFile, is_save, read_text};
+use burgeon::files::{RunFile, SkeletonFile, is_save, is_skeleton, read_mtg, read_text};
+use burgeon::plant::skeleton::Skeleton;
 use burgeon::scenario::SavedRun;
 use burgeon::species::Species;
+use burgeon::tropism::vary::VaryError;
 use clap::Args;
 
 use super::Failure;
@@ -15,7 +17,7 @@ use super::output::say;
 /// Check files, one line each.
 #[derive(Args, Debug)]
 pub struct Check {
-    /// Species, scenarios, run.ron files and saves.
+    /// Species, scenarios, run.ron files, saves, skeleton files and MTGs.
     #[arg(required = true)]
     files: Vec<PathBuf>,
 
@@ -51,8 +53,21 @@ fn check(path: &Path, library: &burgeon::assets::Library) -> Result<String, Fail
             save.run.scenario.name, save.run.steps, save.run.seed
         ));
     }
+    if path.extension().is_some_and(|extension| extension == "mtg") {
+        let plants = read_mtg(path)?;
+        for plant in &plants {
+            plant.check().map_err(VaryError::from)?;
+        }
+        let nodes: usize = plants.iter().map(Skeleton::nodes).sum();
+        return Ok(format!("an MTG of {} plants with {nodes} nodes", plants.len()));
+    }
     let text = read_text(path)?;
     let file = path.display().to_string();
+    if is_skeleton(&text) {
+        let (read, skeleton) = SkeletonFile::from_ron(&text, &file)?;
+        library.species(&read.species)?;
+        return Ok(format!("skeleton {} with {} nodes", read.name, skeleton.nodes()));
+    }
     Ok(match FileKind::of(&text, path) {
         FileKind::Species => format!("species {}", Species::from_ron(&text, &file)?.name),
         FileKind::Scenario => {

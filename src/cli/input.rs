@@ -102,6 +102,15 @@ impl Input {
         Self { scenario: Some(scenario.into()), common: common.clone(), ..Self::default() }
     }
 
+    /// A scenario grown like others, or a species alone in the open if there is no scenario of that name.
+    pub fn of_either(name: &str, library: &Library, common: &Common) -> Self {
+        let is = |names: Vec<String>| names.iter().any(|there| there == name);
+        if is(library.species_names()) && !is(library.scenario_names()) {
+            return Self { species: Some(name.into()), common: common.clone(), ..Self::default() };
+        }
+        Self::of(name, common)
+    }
+
     /// Another scenario than the usual, where none is named.
     #[cfg(feature = "viewer")]
     pub fn or(&self, scenario: &str) -> Self {
@@ -160,6 +169,16 @@ impl Common {
             *field(&mut limits) = *most;
         }
         limits
+    }
+
+    /// An option that was given and says how a plant grows.
+    pub fn grows_otherwise(&self) -> Option<&'static str> {
+        let given = [
+            ("--steps", self.steps.is_some()),
+            ("--set", !self.set.is_empty()),
+            ("--limit", !self.limits.is_empty()),
+        ];
+        given.into_iter().find(|(_, given)| *given).map(|(option, _)| option)
     }
 
     /// The threads asked for.

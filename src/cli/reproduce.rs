@@ -60,9 +60,14 @@ impl Reproduce {
         }
         let json = serde_json::to_string_pretty(&done.claims).unwrap_or_default();
         folder.text("claims.json", &json)?;
+        let failed = done.claims.iter().filter(|claim| !claim.holds).count();
+        let end = match failed {
+            0 => Ok(()),
+            failed => Err(Failure::Claims { failed, all: done.claims.len() }),
+        };
         if self.json {
             say(json);
-            return Ok(());
+            return end;
         }
         say(format_args!("{} over seeds {} to {}", done.figure, done.seeds.start(), done.seeds.end()));
         for Claim { row, paper, measured, holds } in &done.claims {
@@ -70,6 +75,6 @@ impl Reproduce {
             say(format_args!("\n{row}  paper     {paper}\n       measured  {measured}\n       {holds}"));
         }
         say(format_args!("\n{}", folder.line()));
-        Ok(())
+        end
     }
 }

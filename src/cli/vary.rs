@@ -8,9 +8,9 @@ use burgeon::environment::{Scene, SunLight};
 use burgeon::export::canvas::{caption, grid};
 use burgeon::export::film::save_png;
 use burgeon::export::picture::{Bounds, Camera, Palette, PictureSettings, render};
-use burgeon::files::{RunFile, SkeletonFile, StepHashes, is_save, is_skeleton, read_text};
+use burgeon::files::{RunFile, SkeletonFile, StepHashes, is_save, is_skeleton, read_mtg, read_text};
 use burgeon::plant::Snapshot;
-use burgeon::plant::skeleton::Skeleton;
+use burgeon::plant::skeleton::{Skeleton, SkeletonError};
 use burgeon::scenario::{Garden, SavedRun};
 use burgeon::species::Species;
 use burgeon::tropism::vary::{Variation, VaryError, siblings};
@@ -31,7 +31,7 @@ const MOST: i64 = 100_000;
 /// Grow siblings of a finished plant: as many nodes, as long, none like another.
 #[derive(Args, Debug)]
 pub struct Vary {
-    /// A scenario by name, a scenario file, a run.ron, a save or a skeleton file.
+    /// A scenario or species by name, a scenario file, a run.ron, a save, a skeleton file or an MTG.
     plant: String,
 
     #[command(flatten)]
@@ -44,7 +44,11 @@ pub struct Vary {
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=MOST))]
     count: u32,
 
-    /// Which plant of a garden, in the order of planting, from 0.
+    /// The species whose leaves and colours the plant of an MTG or skeleton file has.
+    #[arg(long, value_name = "NAME")]
+    species: Option<String>,
+
+    /// Which plant of a garden or MTG, in the order of planting, from 0.
     #[arg(long, default_value_t = 0)]
     index: u32,
 
@@ -132,17 +136,34 @@ impl Vary {
     /// The plant to vary, and the species whose leaves and colours it has.
     fn base(&self) -> Result<(Skeleton, Species), Failure> {
         let path = Path::new(&self.plant);
+        let library = library(&self.common.assets)?;
+        let extension = path.extension().filter(|_| path.is_file()).unwrap_or_default();
         if path.is_file() && is_save(path) {
+            self.is_finished("a save")?;
             return self.of(SavedRun::read(path)?.garden.snapshot());
         }
-        if path.extension().is_some_and(|e| e == "ron") && path.is_file() {
+        if extension == "mtg" {
+            self.is_finished("an MTG")?;
+            let plants = read_mtg(path)?;
+            let plant = plants.into_iter().nth(self.index as usize).filter(|p| !p.segments.is_empty());
+            let skeleton = plant.ok_or(SkeletonError::NoPlant(self.index)).map_err(VaryError::from)?;
+            return Ok((skeleton, library.species(self.species.as_deref().unwrap_or("lam_king"))?));
+        }
+        if extension == "ron" {
             let text = read_text(path)?;
             if is_skeleton(&text) {
+                self.is_finished("a skeleton file")?;
                 let (file, skeleton) = SkeletonFile::from_ron(&text, &self.plant)?;
-                return Ok((skeleton, library(&self.common.assets)?.species(&file.species)?));
+                if self.index > 0 {
+                    return Err(VaryError::from(SkeletonError::NoPlant(self.index)).into());
+                }
+                return Ok((skeleton, library.species(self.species.as_ref().unwrap_or(&file.species))?));
             }
         }
-        let plan = Input::of(&self.plant, &self.common).plan()?;
+        if self.species.is_some() {
+            return Err(Failure::Usage("--species is for an MTG or a skeleton file".into()));
+        }
+        let plan = Input::of_either(&self.plant, &library, &self.common).plan()?;
         let run = RunFile::new(&plan.resolved, plan.seed, 0, StepHashes::default());
         let mut garden = Garden::new(plan.resolved, plan.seed, self.common.workers()?)?;
         garden.set_limits(self.common.limits());
@@ -151,6 +172,14 @@ impl Vary {
         match growing.stopped {
             Some(stopped) => Err(stopped.into()),
             None => self.of(&growing.garden.snapshot()),
+        }
+    }
+
+    /// Refuses options that say how a plant grows that is finished.
+    fn is_finished(&self, what: &str) -> Result<(), Failure> {
+        match self.common.grows_otherwise() {
+            Some(option) => Err(Failure::Usage(format!("{option} changes nothing in {what}: it has grown"))),
+            None => Ok(()),
         }
     }
 

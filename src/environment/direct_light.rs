@@ -31,7 +31,7 @@ impl LightRays {
 /// 1 - cosine of the sun's angular radius, 0.266 degrees.
 const SUN_HEIGHT: f32 = 1.08e-5;
 /// Turn from one point to the next, radians.
-pub(super) const GOLDEN_ANGLE: f32 = 2.399_963_1;
+pub(crate) const GOLDEN_ANGLE: f32 = 2.399_963_1;
 
 /// Light from lamps and sun on a point, as a share of a full open sky's; not saturated.
 ///

@@ -3,20 +3,25 @@
 //!
 //! Scales: `P` plant, `A` axis, `I` internode, and at the finest scale beside it `L` leaf, `B` bud. `/` is the first
 //! part of the coarser one before it, `<` goes on with the axis, `+` bears. Columns of the code section show the depth
-//! of branching; features are place (metres), length, diameter and birth.
+//! of branching; features are place (metres), heading, length, diameter and birth.
 
 use std::io::{self, Write};
 use std::path::Path;
+
+use bevy::math::Vec3;
 
 use super::ExportError;
 use super::error::to_file;
 use crate::plant::{NO_PARENT, OrganKind, OrganState, Snapshot};
 
 /// The names of the features, in order, with their types.
-const FEATURES: [(&str, &str); 7] = [
+const FEATURES: [(&str, &str); 10] = [
     ("XX", "REAL"),
     ("YY", "REAL"),
     ("ZZ", "REAL"),
+    ("DX", "REAL"),
+    ("DY", "REAL"),
+    ("DZ", "REAL"),
     ("Length", "REAL"),
     ("Diameter", "REAL"),
     ("Size", "REAL"),
@@ -59,7 +64,7 @@ pub fn write_mtg(snapshot: &Snapshot, mut writer: impl Write) -> io::Result<()> 
         write!(writer, "{}{}", "\t".repeat(line.column), line.code)?;
         if let Some(i) = line.organ {
             write!(writer, "{}", "\t".repeat(columns - line.column))?;
-            let at = snapshot.pose[i].position;
+            let (at, heading) = (snapshot.pose[i].position, snapshot.pose[i].rotation * Vec3::Y);
             let (diameter, size) = match &snapshot.state[i] {
                 OrganState::Internode(wood, _) => (2.0 * wood.radius, 1.0),
                 OrganState::Leaf(leaf) => (0.0, leaf.size),
@@ -68,8 +73,8 @@ pub fn write_mtg(snapshot: &Snapshot, mut writer: impl Write) -> io::Result<()> 
             let length = snapshot.length(i);
             write!(
                 writer,
-                "{}\t{}\t{}\t{length}\t{diameter}\t{size}\t{}",
-                at.x, at.y, at.z, snapshot.birth[i]
+                "{}\t{}\t{}\t{}\t{}\t{}\t{length}\t{diameter}\t{size}\t{}",
+                at.x, at.y, at.z, heading.x, heading.y, heading.z, snapshot.birth[i]
             )?;
         }
         writeln!(writer)?;

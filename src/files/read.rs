@@ -13,6 +13,11 @@ use crate::limits;
 /// # Errors
 /// If it is not there, cannot be read, is too large or is not text.
 pub fn read_text(path: &Path) -> Result<String, FileError> {
+    read_up_to(path, limits::FILE_BYTES)
+}
+
+/// The text of a file of at most so many bytes.
+pub(super) fn read_up_to(path: &Path, most: u64) -> Result<String, FileError> {
     let file = path.display().to_string();
     let io = |e: io::Error| match e.kind() {
         io::ErrorKind::NotFound => FileError::NotFound { file: file.clone() },
@@ -22,14 +27,18 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
         return Err(FileError::Io { file, reason: "is not a file".into() });
     }
     let mut bytes = Vec::new();
-    File::open(path).and_then(|f| f.take(limits::FILE_BYTES + 1).read_to_end(&mut bytes)).map_err(io)?;
-    text_of(bytes, file)
+    File::open(path).and_then(|f| f.take(most + 1).read_to_end(&mut bytes)).map_err(io)?;
+    text_within(bytes, file, most)
 }
 
 /// The text of a file's bytes, at most [`limits::FILE_BYTES`].
 pub(crate) fn text_of(bytes: Vec<u8>, file: String) -> Result<String, FileError> {
-    if bytes.len() as u64 > limits::FILE_BYTES {
-        return Err(FileError::TooLarge { file, limit: limits::FILE_BYTES });
+    text_within(bytes, file, limits::FILE_BYTES)
+}
+
+fn text_within(bytes: Vec<u8>, file: String, limit: u64) -> Result<String, FileError> {
+    if bytes.len() as u64 > limit {
+        return Err(FileError::TooLarge { file, limit });
     }
     if let Some(byte) = bytes.iter().position(|b| *b == 0) {
         return Err(FileError::NotText { file, byte });

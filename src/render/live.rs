@@ -1,5 +1,6 @@
 //! Growth in the app's own world: plants spawned beside everything else grow while the app runs.
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -74,6 +75,8 @@ struct Progress {
     told: Option<&'static str>,
     /// Seconds the last step took from then until it could be shown; `None` before the first.
     took: Option<f32>,
+    /// Snapshots that were shown, whose memory serves again once nobody reads them.
+    past: VecDeque<Arc<Snapshot>>,
 }
 
 /// The step after the one on screen.
@@ -114,7 +117,9 @@ fn live(world: &mut World, mut gardens: Local<Option<QueryState<Entity, With<Liv
             if let (Next::Ready(shot), false) = (&progress.next, pace.paused)
                 && let Some(mut drawn) = world.get_mut::<Drawn>(garden)
             {
+                let past = drawn.before.clone();
                 drawn.step_to(shot.clone());
+                progress.past.push_back(past);
                 progress.next = Next::Ahead;
                 progress.fraction = (progress.fraction - 1.0).min(0.5);
             } else {
@@ -144,7 +149,8 @@ impl Progress {
         match &self.next {
             Next::Ready(_) => return,
             Next::Grown => {
-                self.next = Next::Ready(Arc::new(Snapshot::take(world)));
+                let spare = self.spare();
+                self.next = Next::Ready(Arc::new(spare.taken_anew(world)));
                 self.took = Some(self.growing);
                 return;
             }
@@ -164,6 +170,15 @@ impl Progress {
             PartOfStep::More | PartOfStep::Looking => Next::Growing,
         };
         self.debt += began.elapsed().saturating_sub(allowance(pace));
+    }
+
+    /// A snapshot nobody reads any more, if there is one.
+    fn spare(&mut self) -> Snapshot {
+        let free = self.past.iter().position(|shot| Arc::strong_count(shot) == 1);
+        let spare = free.and_then(|free| self.past.remove(free)).and_then(Arc::into_inner);
+        // Others have their own ends for what is read for so long.
+        self.past.truncate(1);
+        spare.unwrap_or_default()
     }
 
     /// Whether the next step might pass a limit; tells of each once.

@@ -17,7 +17,7 @@ use super::drawn::{DrawSettings, Drawn, Ghost, Look, MARK_COLORS, Marks, StepFra
 use super::material::{ChunkMeshes, Detail, PlantExtension, PlantMaterial};
 use super::overlay::RAMP;
 use super::pack::{Chunk, Class, Packed, pack};
-use super::record::{PlantEntry, Record};
+use super::record::Record;
 
 /// Organs in both states together up to which packing is done at once.
 const AT_ONCE: usize = 1500;
@@ -34,9 +34,9 @@ const FAR: f32 = 1.0e6;
 #[derive(Component, Default)]
 pub struct Stage {
     /// What is being packed on another thread, and of what.
-    packing: Option<(Drawn, Task<Packed>)>,
+    packing: Option<(Drawn, Task<Load>)>,
     /// What is packed, until it lands.
-    packed: Option<(Drawn, Packed)>,
+    packed: Option<(Drawn, Load)>,
     /// What is shown.
     shown: Option<Drawn>,
     sheets: Option<Sheets>,
@@ -68,19 +68,53 @@ struct Sheets {
     wood: Sheet,
     leaves: Sheet,
     plants: Handle<ShaderBuffer>,
-    /// Plants there is room for.
-    room: usize,
     clock: Handle<ShaderBuffer>,
+    rooms: Rooms,
 }
+
+/// Records of wood, records of leaves and plants there is room for.
+type Rooms = [usize; 3];
 
 /// Records of one kind.
 #[derive(Clone)]
 struct Sheet {
     records: Handle<ShaderBuffer>,
     marks: Handle<ShaderBuffer>,
-    /// Records there is room for.
-    room: usize,
     material: Handle<PlantMaterial>,
+}
+
+/// What is packed, as buffers take it: filled up to their size, so that they stay in place.
+struct Load {
+    rooms: Rooms,
+    /// Wood, leaves, plants.
+    bytes: [Vec<u8>; 3],
+    births: [Vec<u32>; 2],
+    chunks: Vec<Chunk>,
+}
+
+impl Load {
+    /// Packs for buffers that are there, if they hold it, else for larger ones with room for some growth.
+    fn of(drawn: &Drawn, there: Option<Rooms>) -> Self {
+        fn filled<T: Pod>(things: &[T], room: usize) -> Vec<u8> {
+            let mut bytes = Vec::with_capacity(room * size_of::<T>());
+            bytes.extend_from_slice(bytemuck::cast_slice(things));
+            bytes.resize(room * size_of::<T>(), 0);
+            bytes
+        }
+        let Packed { rings, blades, plants, chunks } = pack(&drawn.before, &drawn.now);
+        let needed = [rings.len(), blades.len(), plants.len()];
+        let rooms = there.filter(|there| there.iter().zip(needed).all(|(&room, needed)| needed <= room));
+        let rooms = rooms.unwrap_or_else(|| {
+            let [wood, leaves] = [needed[0], needed[1]].map(|n| (n + n / 4).next_power_of_two().max(256));
+            [wood, leaves, needed[2].next_power_of_two()]
+        });
+        Self {
+            rooms,
+            bytes: [filled(&rings, rooms[0]), filled(&blades, rooms[1]), filled(&plants, rooms[2])],
+            births: [&rings, &blades].map(|records| records.iter().map(Record::birth).collect()),
+            chunks,
+        }
+    }
 }
 
 /// What changes every frame, as `plants.wgsl` reads it.
@@ -109,14 +143,16 @@ pub(super) fn begin_packing(
         if stage.packing.is_some() || stage.shown.as_ref().is_some_and(|shown| is_same(shown, drawn)) {
             continue;
         }
-        let of = drawn.clone();
+        let (of, there) = (drawn.clone(), stage.sheets.as_ref().map(|sheets| sheets.rooms));
         let at_once = settings.pack_at_once || time.delta_secs() > SLOW;
         if at_once || of.before.len() + of.now.len() < AT_ONCE {
-            let packed = pack(&of.before, &of.now);
-            stage.packed = Some((of, packed));
+            let load = Load::of(&of, there);
+            stage.packed = Some((of, load));
         } else {
-            let (before, now) = (of.before.clone(), of.now.clone());
-            let task = AsyncComputeTaskPool::get().spawn(async move { pack(&before, &now) });
+            let task = {
+                let of = of.clone();
+                AsyncComputeTaskPool::get().spawn(async move { Load::of(&of, there) })
+            };
             stage.packing = Some((of, task));
         }
     }
@@ -150,24 +186,28 @@ pub(super) fn land(mut commands: Commands, mut store: Store, mut stages: Query<(
         stage.leaving.retain(|(_, _, frames)| *frames > 0);
         if let Some((of, mut task)) = stage.packing.take() {
             match check_ready(&mut task) {
-                Some(packed) => stage.packed = Some((of, packed)),
+                Some(load) => stage.packed = Some((of, load)),
                 None => stage.packing = Some((of, task)),
             }
         }
-        let Some((of, packed)) = stage.packed.take() else { continue };
+        let Some((of, Load { rooms, bytes, births, chunks })) = stage.packed.take() else { continue };
         let sheets = match stage.sheets.take() {
-            Some(sheets) if sheets.hold(&packed) => sheets,
+            Some(sheets) if sheets.rooms == rooms => {
+                let buffers = [&sheets.wood.records, &sheets.leaves.records, &sheets.plants];
+                for (buffer, bytes) in buffers.into_iter().zip(bytes) {
+                    write(&mut store.buffers, buffer, bytes);
+                }
+                sheets
+            }
             given_up => {
                 if let Some(old) = given_up {
                     stage.leaving.push((core::mem::take(&mut stage.chunks), old, LEAVING));
                 }
-                store.sheets(&packed)
+                store.sheets(rooms, bytes)
             }
         };
-        store.fill(&sheets, &packed);
-        stage.births =
-            [&packed.rings, &packed.blades].map(|records| records.iter().map(Record::birth).collect());
-        show_chunks(&mut commands, &mut store, entity, &mut stage.chunks, &packed.chunks, &sheets, look);
+        stage.births = births;
+        show_chunks(&mut commands, &mut store, entity, &mut stage.chunks, &chunks, &sheets, look);
         stage.sheets = Some(sheets);
         stage.shown = Some(of);
     }
@@ -214,9 +254,10 @@ pub(super) fn write_marks(
         if marks.is_empty() && !marks.is_changed() {
             continue;
         }
-        for (sheet, births) in [&sheets.wood, &sheets.leaves].into_iter().zip(&stage.births) {
+        let both = [&sheets.wood, &sheets.leaves].into_iter().zip(sheets.rooms);
+        for ((sheet, room), births) in both.zip(&stage.births) {
             let mut words = marks.bits(births);
-            words.resize(sheet.room.div_ceil(16), 0);
+            words.resize(room.div_ceil(16), 0);
             write(&mut buffers, &sheet.marks, bytemuck::cast_slice(&words).to_vec());
         }
     }
@@ -240,35 +281,26 @@ fn write(buffers: &mut Assets<ShaderBuffer>, handle: &Handle<ShaderBuffer>, byte
     }
 }
 
-impl Sheets {
-    fn hold(&self, packed: &Packed) -> bool {
-        packed.rings.len() <= self.wood.room
-            && packed.blades.len() <= self.leaves.room
-            && packed.plants.len() <= self.room
-    }
-}
-
 impl Store<'_> {
-    /// New buffers and materials with room for what is packed and some growth.
-    fn sheets(&mut self, packed: &Packed) -> Sheets {
-        let room = packed.plants.len().next_power_of_two();
-        let plants = self.buffer(room * size_of::<PlantEntry>());
-        let clock = self.buffer(size_of::<Clock>());
-        let wood = self.sheet(packed.rings.len(), &plants, &clock, false);
-        let leaves = self.sheet(packed.blades.len(), &plants, &clock, true);
-        Sheets { wood, leaves, plants, room, clock }
+    /// New buffers and materials.
+    fn sheets(&mut self, rooms: Rooms, [wood, leaves, plants]: [Vec<u8>; 3]) -> Sheets {
+        let plants = self.buffer(plants);
+        let clock = self.buffer(vec![0; size_of::<Clock>()]);
+        let wood = self.sheet(wood, rooms[0], &plants, &clock, false);
+        let leaves = self.sheet(leaves, rooms[1], &plants, &clock, true);
+        Sheets { wood, leaves, plants, clock, rooms }
     }
 
     fn sheet(
         &mut self,
-        records: usize,
+        records: Vec<u8>,
+        room: usize,
         plants: &Handle<ShaderBuffer>,
         clock: &Handle<ShaderBuffer>,
         leaf: bool,
     ) -> Sheet {
-        let room = (records + records / 4).next_power_of_two().max(256);
-        let records = self.buffer(room * size_of::<Record>());
-        let marks = self.buffer(room.div_ceil(16) * 4);
+        let records = self.buffer(records);
+        let marks = self.buffer(vec![0; room.div_ceil(16) * 4]);
         let extension = PlantExtension {
             records: records.clone(),
             plants: plants.clone(),
@@ -285,25 +317,12 @@ impl Store<'_> {
             ..default()
         };
         let material = self.materials.add(PlantMaterial { base, extension });
-        Sheet { records, marks, room, material }
+        Sheet { records, marks, material }
     }
 
-    fn buffer(&mut self, bytes: usize) -> Handle<ShaderBuffer> {
-        self.buffers.add(ShaderBuffer::new(&vec![0; bytes], RenderAssetUsages::RENDER_WORLD))
-    }
-
-    /// Writes what is packed, filled up to the buffers' size so that they stay in place.
-    fn fill(&mut self, sheets: &Sheets, packed: &Packed) {
-        for (sheet, records) in [(&sheets.wood, &packed.rings), (&sheets.leaves, &packed.blades)] {
-            let mut bytes = Vec::with_capacity(sheet.room * size_of::<Record>());
-            bytes.extend_from_slice(bytemuck::cast_slice(records));
-            bytes.resize(sheet.room * size_of::<Record>(), 0);
-            write(&mut self.buffers, &sheet.records, bytes);
-        }
-        let mut bytes = Vec::with_capacity(sheets.room * size_of::<PlantEntry>());
-        bytes.extend_from_slice(bytemuck::cast_slice(&packed.plants));
-        bytes.resize(sheets.room * size_of::<PlantEntry>(), 0);
-        write(&mut self.buffers, &sheets.plants, bytes);
+    fn buffer(&mut self, bytes: Vec<u8>) -> Handle<ShaderBuffer> {
+        let asset_usage = RenderAssetUsages::RENDER_WORLD;
+        self.buffers.add(ShaderBuffer { data: Some(bytes), asset_usage, ..default() })
     }
 }
 

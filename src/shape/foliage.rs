@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::outline::LeafOutline;
 use crate::chance::{mix, share};
 use crate::environment::LeafPatch;
+use crate::environment::direct_light::GOLDEN_ANGLE;
 use crate::plant::{Lineage, Pose};
 use crate::species::Species;
 
@@ -29,7 +30,6 @@ const SLOPE_KEPT: f32 = 0.5;
 /// Largest random part of a blade's direction, along each axis.
 const JITTER: f32 = 0.15;
 /// 137.5 degrees.
-const GOLDEN_ANGLE: f32 = 2.399_963_2;
 
 /// How the blades of a leaf organ stand on the stalk they share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Reflect, Serialize, Deserialize)]
