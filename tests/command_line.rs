@@ -325,6 +325,14 @@ fn siblings_of_plants_from_anywhere() {
     std::fs::write(at.join("stem.ron"), stem).unwrap();
     assert_eq!(siblings("stem.ron")[1..], [2.0, 1.0, 1.0]);
     assert!(siblings("lily --steps 8")[1] > 2.0);
+    // Drawn down, a stem hangs; circling, it coils.
+    for other in ["--gravitropism -4", "--nutation 20 --nutation-length 0.1"] {
+        siblings(&format!("stem.ron --sensing-error 0 --disturbance 0 {other}"));
+        let table = std::fs::read_to_string(at.join("siblings/siblings.csv")).unwrap();
+        let heights: Vec<f64> =
+            table.lines().skip(1).map(|row| row.rsplit(',').next().unwrap().parse().unwrap()).collect();
+        assert!(heights[1] < 0.97 * heights[0], "{other}: {heights:?}");
+    }
 
     // What cannot be is refused, and says why.
     for (arguments, code, told) in [
@@ -334,6 +342,9 @@ fn siblings_of_plants_from_anywhere() {
         ("vary grown/tree.mtg --index 3", 1, "there is no plant 3"),
         ("vary open --species oak", 2, "--species is for"),
         ("vary open --ratio 0", 1, "ratio"),
+        ("vary open --disturbance 500", 2, "0 to 114 degrees"),
+        ("vary open --gravitropism nan", 1, "gravitropism is NaN"),
+        ("vary open --nutation-length 0", 1, "the length of a nutation is 0"),
     ] {
         let (_, err) = ends(at, arguments, code);
         assert!(err.contains(told), "{err}");

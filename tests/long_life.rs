@@ -10,6 +10,7 @@ use burgeon::growth::generation::BudBroke;
 use burgeon::plant::{Fallen, OrganShed};
 use burgeon::scenario::{Edit, Garden, apply};
 use burgeon::species::Species;
+use burgeon::tropism::{Control, Influence, LONGEST_LAG, Signals, Steering, step, turned_to};
 use common::check::{check, check_world};
 use common::{garden, pot, quick};
 use stats_alloc::{INSTRUMENTED_SYSTEM, StatsAlloc};
@@ -118,4 +119,21 @@ fn generations_follow_each_other_for_two_thousand_steps_in_level_memory() {
     assert!(old.most_organs < young.most_organs * 5 / 4, "organs at most {young:?} {old:?}");
     assert!(old.most_bytes < young.most_bytes / 20 * 21, "bytes at most {young:?} {old:?}");
     no_entity_too_many(&garden, empty);
+}
+
+#[test]
+fn a_sub_step_of_steering_allocates_nothing() {
+    let _alone = alone();
+    let control = Control { integral: 0.1, derivative: 0.5, ..Control::of_ratio(0.8, LONGEST_LAG).unwrap() };
+    let (mut steering, mut signals, mut frame) = (Steering::default(), Signals::default(), Quat::IDENTITY);
+    let influence = Influence { sensing: Vec2::new(0.1, 0.0), disturbance: Vec2::new(0.0, 0.05) };
+    let before = MEMORY.stats().allocations;
+    for _ in 0..10_000 {
+        let heading = step(&control, &mut steering, &mut signals, frame, Vec3::X, influence);
+        frame = turned_to(frame, heading);
+    }
+    // The harness may tell of another test meanwhile.
+    let allocations = MEMORY.stats().allocations - before;
+    assert!(allocations < 100, "{allocations} allocations");
+    assert!((frame * Vec3::Y).is_normalized());
 }

@@ -14,7 +14,7 @@ use burgeon::plant::skeleton::{Skeleton, SkeletonError};
 use burgeon::scenario::{Garden, SavedRun};
 use burgeon::species::Species;
 use burgeon::tropism::vary::{Variation, VaryError, siblings};
-use burgeon::tropism::{Control, LONGEST_LAG};
+use burgeon::tropism::{Control, LONGEST_LAG, Tropisms};
 use clap::Args;
 use image::RgbImage;
 
@@ -28,7 +28,7 @@ const SHEET: usize = 24;
 /// Most siblings of one run.
 const MOST: i64 = 100_000;
 
-/// Grow siblings of a finished plant: as many nodes, as long, none like another.
+/// Grow siblings of a finished plant: as many nodes, as long, none like another. They know neither walls nor ground.
 #[derive(Args, Debug)]
 pub struct Vary {
     /// A scenario or species by name, a scenario file, a run.ron, a save, a skeleton file or an MTG.
@@ -61,12 +61,24 @@ pub struct Vary {
     ratio: f32,
 
     /// Error with which a tip senses its heading, standard deviation, degrees.
-    #[arg(long, default_value_t = 5.0, value_name = "DEG")]
+    #[arg(long, default_value_t = 5.0, value_name = "DEG", value_parser = degrees)]
     sensing_error: f32,
 
     /// Random disturbance of each sub-step, standard deviation, degrees.
-    #[arg(long, default_value_t = 2.5, value_name = "DEG")]
+    #[arg(long, default_value_t = 2.5, value_name = "DEG", value_parser = degrees)]
     disturbance: f32,
+
+    /// Steady disturbance of each sub-step that circles about the stem, degrees.
+    #[arg(long, default_value_t = 0.0, value_name = "DEG", value_parser = degrees)]
+    nutation: f32,
+
+    /// Length of stem over which nutation circles once.
+    #[arg(long, default_value_t = 1.0, value_name = "METRES")]
+    nutation_length: f32,
+
+    /// Weight of up in the target, beside 1 of the plant's own course; below 0, of down.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    gravitropism: f32,
 
     /// How far the target turns with the parent stem: 0 keeps to gravity, 1 to the parent.
     #[arg(long, default_value_t = 0.0, value_name = "SHARE")]
@@ -81,6 +93,12 @@ pub struct Vary {
     sheet_only: bool,
 }
 
+/// An angle of up to 114 degrees, two radians.
+fn degrees(text: &str) -> Result<f32, String> {
+    let angle = text.parse::<f32>().ok().filter(|angle| (0.0..=114.0).contains(angle));
+    angle.ok_or_else(|| "allowed: 0 to 114 degrees".into())
+}
+
 impl Vary {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
@@ -88,6 +106,9 @@ impl Vary {
             control: Control::of_ratio(self.ratio, self.lag)?,
             sensing_error: self.sensing_error.to_radians(),
             disturbance: self.disturbance.to_radians(),
+            nutation: self.nutation.to_radians(),
+            nutation_length: self.nutation_length,
+            tropisms: Tropisms { gravi: self.gravitropism, ..Variation::default().tropisms },
             relative_to_parent: self.parent_share,
             sub_step: self.sub_step,
             ..Variation::default()

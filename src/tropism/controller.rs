@@ -12,7 +12,8 @@ use crate::species::Species;
 
 /// Errors below this are not felt, radians: rounding must not grow into a bend where control is unstable.
 const THRESHOLD: f32 = 1e-6;
-/// Turns below this are rounding, radians.
+/// Turns below this are rounding, radians. A tip whose gain is small comes to rest this far over the gain from its
+/// target.
 const ROUNDING: f32 = 2e-7;
 
 /// How far a growing bud has steered. Signals on their way are in [`Signals`], which comes with it.
@@ -137,6 +138,15 @@ pub fn lean(angle: f32, around: f32) -> Vec2 {
     Vec2::new(cos, sin) * angle
 }
 
+/// The disturbance by nutation: a lean of `angle` (radians) that circles about the stem once every `length` of the
+/// `along` metres that it has grown.
+pub fn nutation(angle: f32, length: f32, along: f32) -> Vec2 {
+    match angle == 0.0 {
+        true => Vec2::ZERO,
+        false => lean(angle, along / length * core::f32::consts::TAU),
+    }
+}
+
 /// What acts on one sub-step besides the target: leans in radians (`ST-8`).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Influence {
@@ -151,10 +161,7 @@ impl Influence {
     /// and wandering.
     pub fn of(species: &Species, along: f32, sensing: &mut Pcg64Mcg, wander: &mut Pcg64Mcg) -> Self {
         let mut disturbance = species.wander_spread.draw(species.wander_deg.to_radians(), wander);
-        if species.nutation_deg != 0.0 {
-            let turns = along / species.nutation_m;
-            disturbance += lean(species.nutation_deg.to_radians(), turns * core::f32::consts::TAU);
-        }
+        disturbance += nutation(species.nutation_deg.to_radians(), species.nutation_m, along);
         Self { sensing: Spread::Gaussian.draw(species.sensing_error_deg.to_radians(), sensing), disturbance }
     }
 }

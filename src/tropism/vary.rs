@@ -1,13 +1,14 @@
 //! Varying a finished plant: its skeleton is grown again through the controller (`ST-10` to `ST-12`).
 //!
 //! Each segment of the base model is the course its sibling tries to keep. Lengths, nodes and corners stay; where
-//! the stems lead is what chance and control make of it. Siblings of one seed are the same bit for bit.
+//! the stems lead is what chance and control make of it: siblings know neither walls nor ground. Siblings of one seed
+//! are the same bit for bit.
 
 use bevy::prelude::*;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
-use super::controller::{Control, Influence, Spread, Steering, step, turned_to};
+use super::controller::{Control, Influence, Spread, Steering, nutation, step, turned_to};
 use super::out_of_range::{OutOfRange, check};
 use super::set_point::Tropisms;
 use super::signals::Signals;
@@ -32,6 +33,10 @@ pub struct Variation {
     pub disturbance: f32,
     /// How the disturbance is spread.
     pub spread: Spread,
+    /// Steady disturbance of a sub-step that circles about the stem, radians.
+    pub nutation: f32,
+    /// Length of stem over which nutation circles once, metres.
+    pub nutation_length: f32,
     /// Target relative to gravity (0), to the parent stem (1), or blended (`ST-11`).
     pub relative_to_parent: f32,
     /// What else draws it; `photo` weighs the base model's own course.
@@ -48,6 +53,8 @@ impl Default for Variation {
             sensing_error: 5_f32.to_radians(),
             disturbance: 2.5_f32.to_radians(),
             spread: Spread::Gaussian,
+            nutation: 0.0,
+            nutation_length: 1.0,
             relative_to_parent: 0.0,
             tropisms: Tropisms { photo: 1.0, gravi: 0.0, ortho: 0.0, plagio: 0.0, auto: 0.0, reach: 1.0 },
             sub_step: None,
@@ -83,6 +90,13 @@ impl Variation {
         check([
             ("the sensing error", self.sensing_error, 0.0, 2.0, "0 to 2 rad"),
             ("the disturbance", self.disturbance, 0.0, 2.0, "0 to 2 rad"),
+            ("the nutation", self.nutation, 0.0, 2.0, "0 to 2 rad"),
+            ("the length of a nutation", self.nutation_length, 1e-3, 1e3, "0.001 to 1000 m"),
+            ("phototropism", self.tropisms.photo, 0.0, 100.0, "0 to 100"),
+            ("gravitropism", self.tropisms.gravi, -100.0, 100.0, "-100 to 100"),
+            ("orthotropism", self.tropisms.ortho, 0.0, 100.0, "0 to 100"),
+            ("plagiotropism", self.tropisms.plagio, 0.0, 100.0, "0 to 100"),
+            ("autotropism", self.tropisms.auto, 0.0, 100.0, "0 to 100"),
             ("the share relative to the parent", self.relative_to_parent, 0.0, 1.0, "0 to 1"),
             ("the sub-step", sub_step, 1e-5, 1e4, "0.00001 to 10000 m"),
             ("the reach of orthotropism", self.tropisms.reach, 1e-3, 1e4, "0.001 to 10000 m"),
@@ -180,7 +194,8 @@ fn grow(base: &Skeleton, variation: &Variation, sub_step: f32, seed: u64) -> Ske
             let target = variation.tropisms.set_point(chosen, end.signals.outset, Vec3::Y, end.along);
             let influence = Influence {
                 sensing: Spread::Gaussian.draw(variation.sensing_error, &mut rng),
-                disturbance: variation.spread.draw(variation.disturbance, &mut rng),
+                disturbance: variation.spread.draw(variation.disturbance, &mut rng)
+                    + nutation(variation.nutation, variation.nutation_length, end.along),
             };
             let (steering, signals) = (&mut end.steering, &mut end.signals);
             let heading = step(&variation.control, steering, signals, end.frame, target, influence);
