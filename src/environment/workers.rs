@@ -77,6 +77,19 @@ impl Workers {
             Some(pool) => pool.install(|| (0..n).into_par_iter().map(&task).collect()),
         }
     }
+
+    /// Does both, on two threads if there are two.
+    pub fn both(&self, one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
+        match &self.pool {
+            None => {
+                one();
+                other();
+            }
+            Some(pool) => {
+                pool.join(one, other);
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -90,6 +103,9 @@ mod tests {
             assert!(threads == 0 || workers.threads() == threads);
             assert_eq!(workers.map(1000, |i| i * i), (0..1000).map(|i| i * i).collect::<Vec<_>>());
             assert!(workers.map(0, |i| i).is_empty());
+            let (mut one, mut other) = (0, 0);
+            workers.both(|| one = 1, || other = 2);
+            assert_eq!((one, other), (1, 2));
         }
         assert!(matches!(Workers::new(100_000), Err(WorkersError::TooMany { wanted: 100_000 })));
     }

@@ -10,6 +10,7 @@ use super::{
     GrowsFrom, GrowthSpan, GrowthTarget, Identity, Internode, LateralBud, Leaf, Lineage, NO_PARENT, Node,
     OrganKind, Plant, Pose, Roster,
 };
+use crate::environment::workers::Workers;
 use crate::growth::StepCount;
 use crate::species::Species;
 use crate::tropism::{Signals, Steering};
@@ -107,28 +108,31 @@ pub struct Snapshot {
     pub signals: Vec<(u32, Signals)>,
 }
 
-/// What an organ may have; [`PlantPlugin`](super::PlantPlugin) makes all of it known to a world.
-type OrganParts = (
-    (
-        Option<&'static Identity>,
-        Option<&'static GrowthSpan>,
-        Option<&'static BranchOrder>,
-        Option<&'static Attachment>,
-        Option<&'static Pose>,
-        Option<&'static EnergyFlow>,
-    ),
-    (
-        Option<&'static Internode>,
-        Option<&'static Node>,
-        Option<&'static ApicalBud>,
-        Option<(&'static Steering, &'static Signals)>,
-        Option<&'static GrowthTarget>,
-        Option<&'static LateralBud>,
-        Option<&'static Leaf>,
-        Option<&'static Exposure>,
-        Option<&'static Allotment>,
-    ),
+/// What an organ may have of its descent and form; [`PlantPlugin`](super::PlantPlugin) makes all of it known to a world.
+type FormParts = (
+    Option<&'static Identity>,
+    Option<&'static GrowthSpan>,
+    Option<&'static BranchOrder>,
+    Option<&'static Attachment>,
+    Option<&'static Pose>,
+    Option<&'static EnergyFlow>,
 );
+
+/// What else it may have.
+type StateParts = (
+    Option<&'static Internode>,
+    Option<&'static Node>,
+    Option<&'static ApicalBud>,
+    Option<(&'static Steering, &'static Signals)>,
+    Option<&'static GrowthTarget>,
+    Option<&'static LateralBud>,
+    Option<&'static Leaf>,
+    Option<&'static Exposure>,
+    Option<&'static Allotment>,
+);
+
+/// Organs from which reading them on two threads is worth their start.
+const MANY: usize = 4096;
 
 /// An organ of any kind, and nothing else that lives in the world.
 type AnyOrgan = Or<(With<Internode>, With<ApicalBud>, With<LateralBud>, With<Leaf>)>;
@@ -201,35 +205,52 @@ impl Snapshot {
         self.state.clear();
         self.state.extend(roster.kind.iter().map(|kind| OrganState::none(*kind)));
         self.signals.clear();
-        // As they lie in memory.
         let places = roster.places();
-        let Some(mut parts) = world.try_query_filtered::<(Entity, OrganParts), AnyOrgan>() else {
-            return self;
+        let Self {
+            lineage, span, order, attachment, pose, flow, exposure, allotment, state, signals, ..
+        } = &mut self;
+        // Organs as they lie in memory.
+        let mut forms = || {
+            let Some(mut parts) = world.try_query_filtered::<(Entity, FormParts), AnyOrgan>() else { return };
+            for (entity, (identity, spans, orders, attached, posed, flows)) in parts.iter(world) {
+                let Some(i) = places.get(entity) else { continue };
+                lineage[i] = identity.map_or_else(Lineage::default, |identity| identity.lineage);
+                span[i] = read(spans);
+                order[i] = read(orders).0;
+                attachment[i] = read(attached).0;
+                pose[i] = read(posed);
+                flow[i] = read(flows);
+            }
         };
-        for (entity, organ) in parts.iter(world) {
-            let Some(i) = places.get(entity) else { continue };
-            let (identity, span, order, attachment, pose, flow) = organ.0;
-            let (wood, node, apical, steering, target, lateral, leaf, exposure, allotment) = organ.1;
-            self.lineage[i] = identity.map_or_else(Lineage::default, |identity| identity.lineage);
-            self.span[i] = read(span);
-            self.order[i] = read(order).0;
-            self.attachment[i] = read(attachment).0;
-            self.pose[i] = read(pose);
-            self.flow[i] = read(flow);
-            self.exposure[i] = read(exposure);
-            self.allotment[i] = read(allotment).0;
-            self.state[i] = match roster.kind[i] {
-                OrganKind::Internode => OrganState::Internode(read(wood), node.copied()),
-                OrganKind::ApicalBud => {
-                    let (steering, signals) = steering.map_or_else(Default::default, |(a, b)| (*a, *b));
-                    if !signals.is_default() {
-                        self.signals.push((i as u32, signals));
-                    }
-                    OrganState::ApicalBud(read(apical), steering, read(target))
-                }
-                OrganKind::LateralBud => OrganState::LateralBud(read(lateral), read(target)),
-                OrganKind::Leaf => OrganState::Leaf(read(leaf)),
+        let mut states = || {
+            let Some(mut parts) = world.try_query_filtered::<(Entity, StateParts), AnyOrgan>() else {
+                return;
             };
+            for (entity, organ) in parts.iter(world) {
+                let Some(i) = places.get(entity) else { continue };
+                let (wood, node, apical, steering, target, lateral, leaf, exposed, allotted) = organ;
+                exposure[i] = read(exposed);
+                allotment[i] = read(allotted).0;
+                state[i] = match roster.kind[i] {
+                    OrganKind::Internode => OrganState::Internode(read(wood), node.copied()),
+                    OrganKind::ApicalBud => {
+                        let (steering, sent) = steering.map_or_else(Default::default, |(a, b)| (*a, *b));
+                        if !sent.is_default() {
+                            signals.push((i as u32, sent));
+                        }
+                        OrganState::ApicalBud(read(apical), steering, read(target))
+                    }
+                    OrganKind::LateralBud => OrganState::LateralBud(read(lateral), read(target)),
+                    OrganKind::Leaf => OrganState::Leaf(read(leaf)),
+                };
+            }
+        };
+        match world.get_resource::<Workers>().filter(|_| n > MANY) {
+            Some(workers) => workers.both(forms, states),
+            None => {
+                forms();
+                states();
+            }
         }
         self.signals.sort_unstable_by_key(|(i, _)| *i);
         self
