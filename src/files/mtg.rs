@@ -21,6 +21,8 @@ use crate::tropism::turned_to;
 
 /// Most bytes of an MTG file.
 const BYTES: u64 = 256 << 20;
+/// Most columns of codes: orders of branching.
+const COLUMNS: usize = 10_000;
 /// Radius of stems whose diameter nobody measured, metres.
 const RADIUS_M: f32 = 0.005;
 
@@ -107,9 +109,12 @@ impl Reader<'_> {
         }
         let finest = scales.values().copied().max().unwrap_or(0);
         let coarsest = scales.values().copied().filter(|&scale| scale > 0).min().unwrap_or(0);
-        let Some((_, head)) = lines.next() else { return self.wrong(1, "there is no section `MTG:`") };
+        let Some((at, head)) = lines.next() else { return self.wrong(1, "there is no section `MTG:`") };
         let names: Vec<&str> = head.split('\t').map(str::trim).collect();
         let columns = 1 + names.iter().skip(1).take_while(|name| name.is_empty()).count();
+        if columns > COLUMNS {
+            return self.wrong(at, format!("{columns} columns of codes; at most {COLUMNS} are read"));
+        }
         let features: Vec<Option<usize>> = names
             .iter()
             .map(|name| FEATURES.iter().position(|feature| feature.eq_ignore_ascii_case(name)))

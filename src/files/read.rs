@@ -32,6 +32,7 @@ pub(super) fn read_up_to(path: &Path, most: u64) -> Result<String, FileError> {
 }
 
 /// The text of a file's bytes, at most [`limits::FILE_BYTES`].
+#[cfg(feature = "assets")]
 pub(crate) fn text_of(bytes: Vec<u8>, file: String) -> Result<String, FileError> {
     text_within(bytes, file, limits::FILE_BYTES)
 }

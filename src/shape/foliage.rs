@@ -29,8 +29,6 @@ const SPREAD: [f32; 2] = [1.31, 0.35];
 const SLOPE_KEPT: f32 = 0.5;
 /// Largest random part of a blade's direction, along each axis.
 const JITTER: f32 = 0.15;
-/// 137.5 degrees.
-
 /// How the blades of a leaf organ stand on the stalk they share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Reflect, Serialize, Deserialize)]
 pub enum FoliageForm {

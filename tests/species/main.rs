@@ -5,6 +5,7 @@ mod common;
 mod forms;
 mod neighbours;
 
+use bevy::math::ops;
 use bevy::prelude::*;
 use burgeon::assets::Library;
 use burgeon::environment::SolidShape;
@@ -164,7 +165,7 @@ fn three_palms_of_the_beach_lean_to_the_water() {
                 let trunk = Skeleton::of(&shot, plant).unwrap();
                 let top = trunk.segments.iter().map(|stem| stem.tip()).max_by(|a, b| a.y.total_cmp(&b.y));
                 let way = top.unwrap() - trunk.segments[0].pose.position;
-                way.x.atan2(way.y).to_degrees()
+                ops::atan2(way.x, way.y).to_degrees()
             })
             .collect();
         assert!(leans[..3].iter().all(|&lean| lean > 18.0), "{leans:?}");
