@@ -92,6 +92,8 @@ enum Failure {
     #[error(transparent)]
     Vary(#[from] burgeon::tropism::vary::VaryError),
     #[error(transparent)]
+    Skeleton(#[from] burgeon::plant::skeleton::SkeletonError),
+    #[error(transparent)]
     Setting(#[from] burgeon::tropism::OutOfRange),
     #[error(transparent)]
     Timeline(#[from] burgeon::scenario::TimelineError),

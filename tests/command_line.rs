@@ -28,6 +28,12 @@ fn ends(folder: &Path, arguments: &str, code: i32) -> (String, String) {
     (out, err)
 }
 
+/// Runs the program, which ends with that exit code and says this among other things.
+fn refuses(folder: &Path, arguments: &str, code: i32, says: &str) {
+    let (_, err) = ends(folder, arguments, code);
+    assert!(err.contains(says), "{arguments}: {err}");
+}
+
 fn json(folder: &Path, arguments: &str) -> Value {
     serde_json::from_str(&ends(folder, arguments, 0).0).unwrap()
 }
@@ -183,8 +189,7 @@ fn bad_input_writes_nothing() {
         ("describe nothing", 1, "nothing"),
         ("sprout", 2, "sprout"),
     ] {
-        let (_, err) = ends(at, arguments, code);
-        assert!(err.contains(says), "{arguments}: {err}");
+        refuses(at, arguments, code, says);
         assert!(is_empty(at), "{arguments} wrote something");
     }
 }
@@ -346,8 +351,7 @@ fn siblings_of_plants_from_anywhere() {
         ("vary open --gravitropism nan", 1, "gravitropism is NaN"),
         ("vary open --nutation-length 0", 1, "the length of a nutation is 0"),
     ] {
-        let (_, err) = ends(at, arguments, code);
-        assert!(err.contains(told), "{err}");
+        refuses(at, arguments, code, told);
     }
     let (out, _) = ends(at, "check stem.ron grown/tree.mtg", 0);
     assert!(out.contains("skeleton skeleton with 2 nodes") && out.contains("an MTG of 1 plants"), "{out}");

@@ -7,7 +7,6 @@ use burgeon::files::{RunFile, SkeletonFile, is_save, is_skeleton, read_mtg, read
 use burgeon::plant::skeleton::Skeleton;
 use burgeon::scenario::SavedRun;
 use burgeon::species::Species;
-use burgeon::tropism::vary::VaryError;
 use clap::Args;
 
 use super::Failure;
@@ -56,7 +55,7 @@ fn check(path: &Path, library: &burgeon::assets::Library) -> Result<String, Fail
     if path.extension().is_some_and(|extension| extension == "mtg") {
         let plants = read_mtg(path)?;
         for plant in &plants {
-            plant.check().map_err(VaryError::from)?;
+            plant.check()?;
         }
         let nodes: usize = plants.iter().map(Skeleton::nodes).sum();
         return Ok(format!("an MTG of {} plants with {nodes} nodes", plants.len()));

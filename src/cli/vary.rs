@@ -13,7 +13,7 @@ use burgeon::plant::Snapshot;
 use burgeon::plant::skeleton::{Skeleton, SkeletonError};
 use burgeon::scenario::{Garden, SavedRun};
 use burgeon::species::Species;
-use burgeon::tropism::vary::{Variation, VaryError, siblings};
+use burgeon::tropism::vary::{Variation, siblings};
 use burgeon::tropism::{Control, LONGEST_LAG, Tropisms};
 use clap::Args;
 use image::RgbImage;
@@ -167,7 +167,7 @@ impl Vary {
             self.is_finished("an MTG")?;
             let plants = read_mtg(path)?;
             let plant = plants.into_iter().nth(self.index as usize).filter(|p| !p.segments.is_empty());
-            let skeleton = plant.ok_or(SkeletonError::NoPlant(self.index)).map_err(VaryError::from)?;
+            let skeleton = plant.ok_or(SkeletonError::NoPlant(self.index))?;
             return Ok((skeleton, library.species(self.species.as_deref().unwrap_or("lam_king"))?));
         }
         if extension == "ron" {
@@ -176,7 +176,7 @@ impl Vary {
                 self.is_finished("a skeleton file")?;
                 let (file, skeleton) = SkeletonFile::from_ron(&text, &self.plant)?;
                 if self.index > 0 {
-                    return Err(VaryError::from(SkeletonError::NoPlant(self.index)).into());
+                    return Err(SkeletonError::NoPlant(self.index).into());
                 }
                 return Ok((skeleton, library.species(self.species.as_ref().unwrap_or(&file.species))?));
             }
@@ -205,7 +205,7 @@ impl Vary {
     }
 
     fn of(&self, snapshot: &Snapshot) -> Result<(Skeleton, Species), Failure> {
-        let skeleton = Skeleton::of(snapshot, self.index).map_err(VaryError::from)?;
+        let skeleton = Skeleton::of(snapshot, self.index)?;
         let record = snapshot.plants.get(self.index as usize).and_then(Option::as_ref);
         Ok((skeleton, record.map(|record| (*record.species).clone()).unwrap_or_default()))
     }
