@@ -137,6 +137,7 @@ pub fn watch(settings: WatchSettings) -> Result<(), WatchError> {
             app.world_mut().resource_mut::<Toasts>().warn(unkept);
         }
         if let Some(step) = settings.exit_after {
+            picture::Compiling::watch(&mut app);
             app.insert_resource(PictureThen { file: settings.screenshot.clone(), step })
                 .insert_resource(unsaved.clone());
         }
