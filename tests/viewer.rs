@@ -219,6 +219,8 @@ fn place_move_crush_prune_undo_redo_scrub_fork_save_load() {
 fn what_does_not_work_is_told_and_changes_nothing() {
     let mut app = session();
     grow(&mut app, 2);
+    let wall = app.world().resource::<Shown>().view.as_ref().unwrap().standing.solids[0].name.clone();
+    *app.world_mut().resource_mut::<Chosen>() = Chosen::Thing(wall.clone());
     let before = hash(&app);
     let folder = tempfile::tempdir().unwrap();
     let bad = folder.path().join("bad.ron");
@@ -240,6 +242,7 @@ fn what_does_not_work_is_told_and_changes_nothing() {
         *app.world_mut().resource_mut::<Toasts>() = Toasts::default();
     }
     assert_eq!(hash(&app), before);
+    assert_eq!(*app.world().resource::<Chosen>(), Chosen::Thing(wall), "what was chosen still is");
     grow(&mut app, 1);
 }
 

@@ -116,7 +116,8 @@ pub(super) fn act(
         let standing = shown.view.as_ref().map(|view| view.standing.clone());
         let sent = match action.clone() {
             Action::Tell(told) => {
-                if action.begins_anew() {
+                // What is loaded may be refused: then all stays as it is.
+                if action.begins_anew() && !matches!(told, Order::Load(_) | Order::LoadCode(_)) {
                     (past.0, *chosen) = (None, Chosen::Nothing);
                 }
                 order(told)

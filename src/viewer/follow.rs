@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use super::act::{GONE, show};
-use super::state::{Course, Past, Shown, Toasts};
+use super::state::{Chosen, Course, Past, Shown, Toasts};
 use super::why::inspector::Answers;
 use super::why::split::Split;
 use crate::scenario::{Gardener, News, Order, Progress, View};
@@ -14,6 +14,7 @@ pub(super) fn follow(
     mut shown: ResMut<Shown>,
     mut course: ResMut<Course>,
     mut past: ResMut<Past>,
+    mut chosen: ResMut<Chosen>,
     mut toasts: ResMut<Toasts>,
     mut answers: Option<ResMut<Answers>>,
     mut split: Option<ResMut<Split>>,
@@ -53,6 +54,7 @@ pub(super) fn follow(
                 course.scenario = scenario;
                 course.save = save;
                 course.began += 1;
+                (past.0, *chosen) = (None, Chosen::Nothing);
             }
             News::Seen(view) => {
                 if past.0 == Some(view.step) {

@@ -192,15 +192,15 @@ pub(super) fn draw(
 
 /// What floats over the scene: the tool's word, hints, messages, help.
 fn overlay(context: &egui::Context, seen: &Seen, panels: &mut Panels, toasts: &mut Toasts, room: Room) {
+    // Gives the height of what it draws.
     let note = |id: &str, at: egui::Align2, by: egui::Vec2, add: &mut dyn FnMut(&mut egui::Ui)| {
-        egui::Area::new(egui::Id::new(id)).anchor(at, by).order(egui::Order::Foreground).show(
-            context,
-            |ui| {
-                egui::Frame::window(&context.global_style())
-                    .inner_margin(egui::Margin::symmetric(12, 8))
-                    .show(ui, |ui| add(ui));
-            },
-        );
+        let area = egui::Area::new(egui::Id::new(id)).anchor(at, by).order(egui::Order::Foreground);
+        let shown = area.show(context, |ui| {
+            egui::Frame::window(&context.global_style())
+                .inner_margin(egui::Margin::symmetric(12, 8))
+                .show(ui, |ui| add(ui));
+        });
+        shown.response.rect.height()
     };
     let top = egui::vec2(0.5 * (room.left - room.right), room.top + 10.0);
     let word = match seen.tool {
@@ -216,22 +216,25 @@ fn overlay(context: &egui::Context, seen: &Seen, panels: &mut Panels, toasts: &m
             ui.colored_label(style::ink(ui, color), &word);
         });
     }
+    // Messages stand above the hint.
+    let mut above = room.bottom + 14.0;
     if panels.hint {
-        let by = egui::vec2(0.5 * (room.left - room.right), -room.bottom - 14.0);
-        note("hint", egui::Align2::CENTER_BOTTOM, by, &mut |ui| {
-            ui.label("Drag to look around; the wheel brings the tree nearer.");
-            ui.label("Press W or L and click on the ground: a wall, a lamp. The tree answers.");
-            ui.horizontal(|ui| {
-                ui.label("Click a bud to ask it why.  ?  shows every key.");
-                if ui.button("Good").clicked() {
-                    panels.hint = false;
-                }
+        let by = egui::vec2(0.5 * (room.left - room.right), -above);
+        above += 8.0
+            + note("hint", egui::Align2::CENTER_BOTTOM, by, &mut |ui| {
+                ui.label("Drag to look around; the wheel brings the tree nearer.");
+                ui.label("Press W or L and click on the ground: a wall, a lamp. The tree answers.");
+                ui.horizontal(|ui| {
+                    ui.label("Click a bud to ask it why.  ?  shows every key.");
+                    if ui.button("Good").clicked() {
+                        panels.hint = false;
+                    }
+                });
             });
-        });
     }
     let current = toasts.current();
     if !current.is_empty() {
-        let by = egui::vec2(-room.right - 14.0, -room.bottom - 14.0);
+        let by = egui::vec2(-room.right - 14.0, -above);
         note("toasts", egui::Align2::RIGHT_BOTTOM, by, &mut |ui| {
             ui.set_max_width(380.0);
             for toast in current {
