@@ -72,6 +72,9 @@ pub struct StepParts {
     /// A snapshot whose memory the next look around uses again.
     #[reflect(ignore)]
     pub(super) spare: Snapshot,
+    /// The first half of the snapshot from which organs are about to look around.
+    #[reflect(ignore)]
+    half: Option<Snapshot>,
     /// What other threads see.
     #[reflect(ignore)]
     looking: Option<JoinHandle<Looked>>,
@@ -164,15 +167,30 @@ pub fn finish_step(world: &mut World) {
 
 /// Begins to look around; in parts, on other threads.
 pub(super) fn begin_to_look(world: &mut World) {
+    let mut parts = world.resource_mut::<StepParts>();
     // What others saw for seeds that are gone again has no reader.
-    world.resource_mut::<StepParts>().looking = None;
-    if world.resource::<StepParts>().until.is_none() {
+    parts.looking = None;
+    let half = parts.half.take();
+    if parts.until.is_none() {
         gather_probes(world);
         return;
     }
     ensure_workers(world);
+    let half = match half {
+        Some(half) => half,
+        None => {
+            let spare = core::mem::take(&mut world.resource_mut::<StepParts>().spare);
+            let half = spare.half_taken_anew(world);
+            let mut parts = world.resource_mut::<StepParts>();
+            if parts.is_time_up() {
+                parts.half = Some(half);
+                return parts.leave_off_within();
+            }
+            half
+        }
+    };
     let workers = world.resource::<Workers>().clone();
-    let survey = Survey::take(world);
+    let survey = Survey::finish(world, half);
     let look = move || {
         let began = Instant::now();
         let (mut job, shot) = survey.job();

@@ -62,8 +62,14 @@ impl Survey {
     /// Of a world as it is, in the memory of the last one.
     pub fn take(world: &mut World) -> Self {
         let spare = core::mem::take(&mut world.resource_mut::<StepParts>().spare);
+        let half = spare.half_taken_anew(world);
+        Self::finish(world, half)
+    }
+
+    /// Of a world of which half a snapshot is taken.
+    pub(super) fn finish(world: &mut World, half: Snapshot) -> Self {
         Self {
-            shot: spare.taken_anew(world),
+            shot: half.other_half(world),
             standing: standing_scene(world),
             entities: world.resource::<crate::plant::Roster>().entity.clone(),
             settings: *world.resource::<Sensing>(),

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use bevy::ecs::query::ReadOnlyQueryData;
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::{
     Allotment, ApicalBud, Attachment, BranchOrder, EnergyFlow, EnergyLedger, EnergyStore, Exposure,
     GrowsFrom, GrowthSpan, GrowthTarget, Identity, Internode, LateralBud, Leaf, Lineage, NO_PARENT, Node,
-    OrganKind, Plant, Pose, Roster,
+    OrganKind, Plant, Pose, Roster, roster::Places,
 };
 use crate::environment::workers::Workers;
 use crate::growth::StepCount;
@@ -108,17 +109,11 @@ pub struct Snapshot {
     pub signals: Vec<(u32, Signals)>,
 }
 
-/// What an organ may have of its descent and form; [`PlantPlugin`](super::PlantPlugin) makes all of it known to a world.
-type FormParts = (
-    Option<&'static Identity>,
-    Option<&'static GrowthSpan>,
-    Option<&'static BranchOrder>,
-    Option<&'static Attachment>,
-    Option<&'static Pose>,
-    Option<&'static EnergyFlow>,
-);
-
-/// What else it may have.
+/// What an organ may have, in four parts that are read apart; [`PlantPlugin`](super::PlantPlugin) makes all of it known
+/// to a world.
+type DescentParts = (Option<&'static Identity>, Option<&'static GrowthSpan>, Option<&'static BranchOrder>);
+type FormParts = (Option<&'static Attachment>, Option<&'static Pose>, Option<&'static EnergyFlow>);
+type StockParts = (Option<&'static Exposure>, Option<&'static Allotment>);
 type StateParts = (
     Option<&'static Internode>,
     Option<&'static Node>,
@@ -127,8 +122,6 @@ type StateParts = (
     Option<&'static GrowthTarget>,
     Option<&'static LateralBud>,
     Option<&'static Leaf>,
-    Option<&'static Exposure>,
-    Option<&'static Allotment>,
 );
 
 /// Organs from which reading them on two threads is worth their start.
@@ -136,6 +129,37 @@ const MANY: usize = 4096;
 
 /// An organ of any kind, and nothing else that lives in the world.
 type AnyOrgan = Or<(With<Internode>, With<ApicalBud>, With<LateralBud>, With<Leaf>)>;
+
+/// Gives a column `n` rows, all the same.
+fn fill<T: Clone>(column: &mut Vec<T>, n: usize, with: T) {
+    column.clear();
+    column.resize(n, with);
+}
+
+/// Reads parts of every organ as they lie in memory, with its index.
+fn each<Parts: ReadOnlyQueryData>(
+    world: &World,
+    places: &Places,
+    mut take: impl FnMut(usize, Parts::Item<'_, '_>),
+) {
+    let Some(mut organs) = world.try_query_filtered::<(Entity, Parts), AnyOrgan>() else { return };
+    for (entity, parts) in organs.iter(world) {
+        if let Some(i) = places.get(entity) {
+            take(i, parts);
+        }
+    }
+}
+
+/// Does two things, on two threads if `n` organs are worth it.
+fn at_once(world: &World, n: usize, mut one: impl FnMut() + Send, mut other: impl FnMut() + Send) {
+    match world.get_resource::<Workers>().filter(|_| n > MANY) {
+        Some(workers) => workers.both(one, other),
+        None => {
+            one();
+            other();
+        }
+    }
+}
 
 fn read<C: Copy + Default>(part: Option<&C>) -> C {
     part.copied().unwrap_or_default()
@@ -179,12 +203,13 @@ impl Snapshot {
     }
 
     /// Takes a snapshot in the memory of one that is no longer needed.
-    pub fn taken_anew(mut self, world: &World) -> Self {
+    pub fn taken_anew(self, world: &World) -> Self {
+        self.half_taken_anew(world).other_half(world)
+    }
+
+    /// The first half of taking it, for those who cannot wait for all of it at once: who there is, and where.
+    pub fn half_taken_anew(mut self, world: &World) -> Self {
         let Some(roster) = world.get_resource::<Roster>() else { return Self::default() };
-        fn fill<T: Clone>(column: &mut Vec<T>, n: usize, with: T) {
-            column.clear();
-            column.resize(n, with);
-        }
         let n = roster.len();
         self.step = world.get_resource::<StepCount>().map_or(0, |s| s.0);
         self.next_birth = roster.next_birth;
@@ -198,39 +223,52 @@ impl Snapshot {
         fill(&mut self.order, n, 0);
         fill(&mut self.attachment, n, Quat::IDENTITY);
         fill(&mut self.pose, n, Pose::default());
+        fill(&mut self.flow, n, EnergyFlow::default());
+        let places = roster.places();
+        let Self { lineage, span, order, attachment, pose, flow, .. } = &mut self;
+        let descent = || {
+            each::<DescentParts>(world, &places, |i, (identity, spans, orders)| {
+                lineage[i] = identity.map_or_else(Lineage::default, |identity| identity.lineage);
+                span[i] = read(spans);
+                order[i] = read(orders).0;
+            });
+        };
+        let form = || {
+            each::<FormParts>(world, &places, |i, (attached, posed, flows)| {
+                attachment[i] = read(attached).0;
+                pose[i] = read(posed);
+                flow[i] = read(flows);
+            });
+        };
+        at_once(world, n, descent, form);
+        self
+    }
+
+    /// The second half: what is peculiar to each kind, and what it holds. All is taken anew if the world grew, or
+    /// organs or plants were born or went, since the first.
+    pub fn other_half(mut self, world: &World) -> Self {
+        let Some(roster) = world.get_resource::<Roster>() else { return Self::default() };
+        let step = world.get_resource::<StepCount>().map_or(0, |s| s.0);
+        if self.step != step || self.birth != roster.birth || self.plants.len() != roster.plants.len() {
+            return self.taken_anew(world);
+        }
+        let n = roster.len();
         fill(&mut self.exposure, n, Exposure::default());
         fill(&mut self.allotment, n, 0.0);
-        fill(&mut self.flow, n, EnergyFlow::default());
         // An organ despawned from outside stays in the roster until the next step sheds what it bore.
         self.state.clear();
         self.state.extend(roster.kind.iter().map(|kind| OrganState::none(*kind)));
         self.signals.clear();
         let places = roster.places();
-        let Self {
-            lineage, span, order, attachment, pose, flow, exposure, allotment, state, signals, ..
-        } = &mut self;
-        // Organs as they lie in memory.
-        let mut forms = || {
-            let Some(mut parts) = world.try_query_filtered::<(Entity, FormParts), AnyOrgan>() else { return };
-            for (entity, (identity, spans, orders, attached, posed, flows)) in parts.iter(world) {
-                let Some(i) = places.get(entity) else { continue };
-                lineage[i] = identity.map_or_else(Lineage::default, |identity| identity.lineage);
-                span[i] = read(spans);
-                order[i] = read(orders).0;
-                attachment[i] = read(attached).0;
-                pose[i] = read(posed);
-                flow[i] = read(flows);
-            }
-        };
-        let mut states = || {
-            let Some(mut parts) = world.try_query_filtered::<(Entity, StateParts), AnyOrgan>() else {
-                return;
-            };
-            for (entity, organ) in parts.iter(world) {
-                let Some(i) = places.get(entity) else { continue };
-                let (wood, node, apical, steering, target, lateral, leaf, exposed, allotted) = organ;
+        let Self { exposure, allotment, state, signals, .. } = &mut self;
+        let stock = || {
+            each::<StockParts>(world, &places, |i, (exposed, allotted)| {
                 exposure[i] = read(exposed);
                 allotment[i] = read(allotted).0;
+            });
+        };
+        let states = || {
+            each::<StateParts>(world, &places, |i, (wood, node, apical, steering, target, lateral, leaf)| {
                 state[i] = match roster.kind[i] {
                     OrganKind::Internode => OrganState::Internode(read(wood), node.copied()),
                     OrganKind::ApicalBud => {
@@ -243,15 +281,9 @@ impl Snapshot {
                     OrganKind::LateralBud => OrganState::LateralBud(read(lateral), read(target)),
                     OrganKind::Leaf => OrganState::Leaf(read(leaf)),
                 };
-            }
+            });
         };
-        match world.get_resource::<Workers>().filter(|_| n > MANY) {
-            Some(workers) => workers.both(forms, states),
-            None => {
-                forms();
-                states();
-            }
-        }
+        at_once(world, n, stock, states);
         self.signals.sort_unstable_by_key(|(i, _)| *i);
         self
     }

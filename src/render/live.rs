@@ -87,14 +87,16 @@ enum Next {
     Ahead,
     /// Under way.
     Growing,
-    /// Over; its plants are to be looked at in a frame of its own.
+    /// Over; its plants are to be looked at in two frames of their own.
     Grown,
+    /// Half looked at.
+    Seen(Snapshot),
     /// To be shown.
     Ready(Arc<Snapshot>),
 }
 
 /// Frames and part of the last step's time by which a step is begun early.
-const EARLY: (f32, f32) = (3.0, 1.5);
+const EARLY: (f32, f32) = (4.0, 1.5);
 
 /// Moves the clock on, shows what is ready and has the next step grow.
 fn live(world: &mut World, mut gardens: Local<Option<QueryState<Entity, With<LiveGarden>>>>) {
@@ -149,8 +151,13 @@ impl Progress {
         match &self.next {
             Next::Ready(_) => return,
             Next::Grown => {
-                let spare = self.spare();
-                self.next = Next::Ready(Arc::new(spare.taken_anew(world)));
+                self.next = Next::Seen(self.spare().half_taken_anew(world));
+                return;
+            }
+            Next::Seen(_) => {
+                if let Next::Seen(half) = core::mem::take(&mut self.next) {
+                    self.next = Next::Ready(Arc::new(half.other_half(world)));
+                }
                 self.took = Some(self.growing);
                 return;
             }
