@@ -90,7 +90,7 @@ enum Next {
     /// Over; its plants are to be looked at in two frames of their own.
     Grown,
     /// Half looked at.
-    Seen(Snapshot),
+    Seen(Box<Snapshot>),
     /// To be shown.
     Ready(Arc<Snapshot>),
 }
@@ -151,7 +151,7 @@ impl Progress {
         match &self.next {
             Next::Ready(_) => return,
             Next::Grown => {
-                self.next = Next::Seen(self.spare().half_taken_anew(world));
+                self.next = Next::Seen(Box::new(self.spare().half_taken_anew(world)));
                 return;
             }
             Next::Seen(_) => {
