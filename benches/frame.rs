@@ -87,8 +87,15 @@ fn grove(n: i32) -> Grove {
     Grove { states: [before, now], longest: [part, first.max(began.elapsed())], step }
 }
 
-/// Young oaks that grow a step in two seconds, at sixty frames a second: what frames take, the mean and the longest, in
-/// milliseconds, and what grew.
+/// Time this thread has had of a processor; what it waited for is not in it. By the clock where the system does not tell.
+fn own_time(clock: Instant) -> Duration {
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = told.and_then(|told| told.split_whitespace().next()?.parse().ok());
+    nanoseconds.map_or_else(|| clock.elapsed(), Duration::from_nanos)
+}
+
+/// Young oaks that grow a step in two seconds, at sixty frames a second: what frames take of the main thread, the mean
+/// and the longest, in milliseconds, and what grew.
 fn growing(oaks: u64) -> (f64, f64, String) {
     const FRAME: Duration = Duration::from_micros(16_667);
     let mut app = app_with(DrawSettings::default(), |app| {
@@ -107,9 +114,9 @@ fn growing(oaks: u64) -> (f64, f64, String) {
     let (began, mut spent) = (Instant::now(), Vec::new());
     let steps = app.world().resource::<StepCount>().0;
     while began.elapsed() < Duration::from_secs(20) {
-        let frame = Instant::now();
+        let (frame, before) = (Instant::now(), own_time(began));
         app.update();
-        spent.push(frame.elapsed().as_secs_f64() * 1e3);
+        spent.push((own_time(began) - before).as_secs_f64() * 1e3);
         std::thread::sleep(FRAME.saturating_sub(frame.elapsed()));
     }
     let worst = spent.iter().copied().fold(0.0, f64::max);
@@ -159,7 +166,7 @@ fn frame(criterion: &mut Criterion) {
     let (none, ..) = growing(0);
     let (mean, worst, told) = growing(200);
     println!(
-        "200 growing oaks add {:.2} ms to a frame on average, {worst:.1} is the longest: {told}",
+        "200 growing oaks add {:.2} ms of the main thread to a frame on average, {worst:.1} is the longest: {told}",
         mean - none
     );
     println!("a step in parts of 4 ms, then drawn; the worst frame of each, ms:");

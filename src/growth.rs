@@ -89,6 +89,7 @@ impl Plugin for GrowthPlugin {
             .init_resource::<parts::StepParts>()
             .init_resource::<nodes::FreshNodes>()
             .init_resource::<generation::Condemned>()
+            .init_resource::<share::Claims>()
             .init_resource::<sensing::SensingJob>()
             .init_resource::<sensing::ProbeCount>()
             .init_resource::<crate::limits::GrowthLimits>()
@@ -99,6 +100,7 @@ impl Plugin for GrowthPlugin {
             .register_type::<parts::StepParts>()
             .register_type::<nodes::FreshNodes>()
             .register_type::<generation::Condemned>()
+            .register_type::<share::Claims>()
             .register_type::<sensing::SensingJob>()
             .register_type::<sensing::ProbeCount>()
             .register_type::<crate::limits::GrowthLimits>()
@@ -141,6 +143,7 @@ fn growth_step() -> Schedule {
             energy::pay_upkeep,
             liabilities::shed_liabilities,
             generation::shed_condemned,
+            share::gather_claims,
             share::share_surplus,
             time_stage::<{ Stage::Update as usize }>,
         )

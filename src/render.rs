@@ -16,6 +16,7 @@
 //! | see walls, lamps, sun, sky and ground as they are sensed | [`SceneryPlugin`], and [`OutdoorCamera`] on a camera |
 
 mod bark;
+pub(crate) mod compiling;
 mod drawn;
 mod live;
 mod material;

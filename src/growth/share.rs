@@ -1,5 +1,6 @@
 //! Sharing the surplus: to leaves, to buds, the rest to the root (`LK-12`).
 
+use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 
 use super::vigour::{self, Sink, SinkKind};
@@ -68,67 +69,118 @@ struct Member {
     standing: Standing,
 }
 
+/// What the organs of all plants ask for, a resource. A step in parts may leave off between asking and getting.
+#[derive(Resource, Debug, Default, Reflect)]
+#[reflect(Resource, Default)]
+pub struct Claims {
+    /// Of every organ that was asked, its birth number.
+    birth: Vec<u32>,
+    /// By plant, its organs.
+    #[reflect(ignore)]
+    members: Vec<Vec<Member>>,
+    /// Where in its plant's list each organ stands.
+    place: Vec<u32>,
+    /// By plant, energy taken back from organs that had not used it.
+    reclaimed: Vec<f64>,
+}
+
+/// What sharing reads and writes of organs.
+#[derive(SystemParam)]
+pub struct Asked<'w, 's> {
+    stems: Query<'w, 's, (&'static BranchOrder, &'static Pose), With<Internode>>,
+    organs: Query<
+        'w,
+        's,
+        (
+            &'static BranchOrder,
+            &'static EnergyFlow,
+            &'static Exposure,
+            &'static mut Allotment,
+            Option<&'static Leaf>,
+            Option<&'static LateralBud>,
+            &'static Pose,
+        ),
+    >,
+}
+
+impl Claims {
+    /// Asks every organ, and takes back what it had not used; what was taken back before and not shared stays.
+    fn gather(&mut self, roster: &Roster, asked: &mut Asked) {
+        self.birth.clone_from(&roster.birth);
+        self.place.clear();
+        self.members.iter_mut().for_each(Vec::clear);
+        self.members.resize(roster.plants.len(), Vec::new());
+        self.reclaimed.resize(roster.plants.len(), 0.0);
+        let mut foot = vec![None; roster.plants.len()];
+        for i in 0..roster.len() {
+            let (entity, plant) = (roster.entity[i], roster.plant[i] as usize);
+            let organ = i as u32;
+            let gone = Member { organ, order: 0, light: 0.0, height: 0.0, standing: Standing::Spent };
+            let member = if roster.kind[i] == OrganKind::Internode {
+                asked.stems.get(entity).map_or(gone, |(order, pose)| {
+                    foot[plant].get_or_insert(pose.position.y);
+                    Member { order: order.0, standing: Standing::Stem, ..gone }
+                })
+            } else if let Ok((order, flow, exposure, mut allotment, leaf, lateral, pose)) =
+                asked.organs.get_mut(entity)
+            {
+                self.reclaimed[plant] += f64::from(allotment.0);
+                allotment.0 = 0.0;
+                let standing = match (leaf, lateral) {
+                    (Some(leaf), _) => {
+                        let lacks = if leaf.state == LeafState::Growing { 1.0 - leaf.size } else { 0.0 };
+                        Standing::Leaf { income: flow.income, lacks }
+                    }
+                    (None, Some(bud)) if bud.state == LateralBudState::Dormant => {
+                        Standing::Dormant { rank: bud.rank, favour: bud.favour }
+                    }
+                    (None, Some(_)) => Standing::Spent,
+                    (None, None) => Standing::Apical,
+                };
+                let height = pose.position.y - *foot[plant].get_or_insert(pose.position.y);
+                Member { organ, order: order.0, light: exposure.light, height, standing }
+            } else {
+                gone
+            };
+            self.place.push(self.members[plant].len() as u32);
+            self.members[plant].push(member);
+        }
+    }
+}
+
+/// Asks organs what they can use.
+pub fn gather_claims(
+    mechanisms: Res<Mechanisms>,
+    roster: Res<Roster>,
+    mut claims: ResMut<Claims>,
+    mut asked: Asked,
+) {
+    if mechanisms.energy {
+        claims.gather(&roster, &mut asked);
+    }
+}
+
 /// Shares each plant's surplus, and what its store releases, among its organs.
-#[allow(clippy::type_complexity, clippy::too_many_arguments, reason = "a system names what it reads")]
 pub fn share_surplus(
     step: Res<StepCount>,
     mechanisms: Res<Mechanisms>,
     roster: Res<Roster>,
+    mut claims: ResMut<Claims>,
     plants: Query<&Plant>,
     mut books: Query<(&mut EnergyStore, &mut EnergyLedger)>,
-    stems: Query<(&BranchOrder, &Pose), With<Internode>>,
-    mut organs: Query<(
-        &BranchOrder,
-        &EnergyFlow,
-        &Exposure,
-        &mut Allotment,
-        Option<&Leaf>,
-        Option<&LateralBud>,
-        &Pose,
-    )>,
+    mut asked: Asked,
     identities: Query<&Identity>,
 ) {
     if !mechanisms.energy {
         return;
     }
-    let mut members: Vec<Vec<Member>> = vec![Vec::new(); roster.plants.len()];
-    let mut reclaimed = vec![0.0_f64; roster.plants.len()];
-    let mut foot = vec![None; roster.plants.len()];
-    // Where in its plant's list each organ stands.
-    let mut place = Vec::with_capacity(roster.len());
-    for i in 0..roster.len() {
-        let (entity, plant) = (roster.entity[i], roster.plant[i] as usize);
-        let organ = i as u32;
-        let gone = Member { organ, order: 0, light: 0.0, height: 0.0, standing: Standing::Spent };
-        let member = if roster.kind[i] == OrganKind::Internode {
-            stems.get(entity).map_or(gone, |(order, pose)| {
-                foot[plant].get_or_insert(pose.position.y);
-                Member { order: order.0, standing: Standing::Stem, ..gone }
-            })
-        } else if let Ok((order, flow, exposure, mut allotment, leaf, lateral, pose)) = organs.get_mut(entity)
-        {
-            reclaimed[plant] += f64::from(allotment.0);
-            allotment.0 = 0.0;
-            let standing = match (leaf, lateral) {
-                (Some(leaf), _) => {
-                    let lacks = if leaf.state == LeafState::Growing { 1.0 - leaf.size } else { 0.0 };
-                    Standing::Leaf { income: flow.income, lacks }
-                }
-                (None, Some(bud)) if bud.state == LateralBudState::Dormant => {
-                    Standing::Dormant { rank: bud.rank, favour: bud.favour }
-                }
-                (None, Some(_)) => Standing::Spent,
-                (None, None) => Standing::Apical,
-            };
-            let height = pose.position.y - *foot[plant].get_or_insert(pose.position.y);
-            Member { organ, order: order.0, light: exposure.light, height, standing }
-        } else {
-            gone
-        };
-        place.push(members[plant].len() as u32);
-        members[plant].push(member);
+    // What the host took away since is not asked any more.
+    if claims.birth != roster.birth || claims.members.len() != roster.plants.len() {
+        claims.gather(&roster, &mut asked);
     }
+    let Claims { birth, members, place, reclaimed } = &mut *claims;
     for (index, entity) in roster.plants.iter().enumerate() {
+        let reclaimed = core::mem::take(&mut reclaimed[index]);
         let Some(entity) = *entity else { continue };
         let (Ok(plant), Ok((mut store, ledger))) = (plants.get(entity), books.get_mut(entity)) else {
             continue;
@@ -136,8 +188,8 @@ pub fn share_surplus(
         let species = &*plant.species;
         let surplus = (ledger.income - ledger.upkeep - ledger.unpaid).max(0.0).min(store.stored);
         let reserve = store.stored - surplus;
-        store.stored += reclaimed[index];
-        let energy = surplus + reclaimed[index] + f64::from(species.store_release) * reserve.max(0.0);
+        store.stored += reclaimed;
+        let energy = surplus + reclaimed + f64::from(species.store_release) * reserve.max(0.0);
         let energy = energy.min(store.stored);
         let mine = &members[index];
         let shares = match species.allocation {
@@ -158,13 +210,16 @@ pub fn share_surplus(
             }
         };
         for (organ, share) in shares {
-            if let Ok((_, _, _, mut allotment, ..)) = organs.get_mut(roster.entity[organ as usize]) {
+            if let Ok((_, _, _, mut allotment, ..)) = asked.organs.get_mut(roster.entity[organ as usize]) {
                 allotment.0 = share;
                 store.stored -= f64::from(share);
             }
         }
         store.stored = store.stored.max(0.0);
     }
+    // In the next step all are asked again, though none be born or gone.
+    birth.clear();
+    members.clear();
 }
 
 /// What each organ gets: leaves first, then apical buds, the best lit first.

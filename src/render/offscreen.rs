@@ -13,6 +13,8 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_dis
 use bevy::time::TimeUpdateStrategy;
 use bevy::window::{ExitCondition, WindowPlugin};
 
+use super::compiling::Compiling;
+
 /// Frames a picture may take to arrive.
 const PATIENCE: u32 = 200;
 
@@ -69,7 +71,8 @@ pub fn take_picture(app: &mut App, target: &Handle<Image>) -> Option<Image> {
     None
 }
 
-/// Takes a picture of the primary window after some frames, then ends the app: how examples are tried.
+/// Takes a picture of the primary window after some frames, once no shader is being compiled, then ends the app: how
+/// examples are tried.
 pub struct PictureAndExit {
     /// Where the PNG goes.
     pub file: PathBuf,
@@ -95,18 +98,28 @@ impl PictureAndExit {
 struct Countdown {
     file: PathBuf,
     frames: u32,
+    /// Frames that shaders may still take.
+    patience: u32,
     taken: bool,
 }
 
 impl Plugin for PictureAndExit {
     fn build(&self, app: &mut App) {
-        app.insert_resource(Countdown { file: self.file.clone(), frames: self.frames, taken: false })
+        Compiling::watch(app);
+        let (file, frames) = (self.file.clone(), self.frames);
+        app.insert_resource(Countdown { file, frames, patience: PATIENCE, taken: false })
             .add_systems(Update, count_down);
     }
 }
 
-fn count_down(mut commands: Commands, mut countdown: ResMut<Countdown>) {
+fn count_down(mut commands: Commands, mut countdown: ResMut<Countdown>, compiling: Res<Compiling>) {
+    /// Frames in which what is compiled comes on screen.
+    const AFTER: u32 = 5;
     countdown.frames = countdown.frames.saturating_sub(1);
+    if compiling.is_under_way() && countdown.patience > 0 {
+        countdown.patience -= 1;
+        countdown.frames = countdown.frames.max(AFTER);
+    }
     if countdown.frames == 0 && !countdown.taken {
         countdown.taken = true;
         commands.spawn(Screenshot::primary_window()).observe(save_to_disk(countdown.file.clone())).observe(

@@ -24,6 +24,7 @@ use crate::assets::Library;
 use crate::environment::workers::Workers;
 use crate::files::ResolvedScenario;
 use crate::limits::GrowthLimits;
+use crate::render::compiling::Compiling;
 use crate::render::{PlantRenderPlugin, SceneryPlugin};
 use crate::scenario::{Autosave, Gardener, GardenerSettings, Timeline, TimelineError};
 
@@ -137,7 +138,7 @@ pub fn watch(settings: WatchSettings) -> Result<(), WatchError> {
             app.world_mut().resource_mut::<Toasts>().warn(unkept);
         }
         if let Some(step) = settings.exit_after {
-            picture::Compiling::watch(&mut app);
+            Compiling::watch(&mut app);
             app.insert_resource(PictureThen { file: settings.screenshot.clone(), step })
                 .insert_resource(unsaved.clone());
         }

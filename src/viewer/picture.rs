@@ -1,18 +1,16 @@
 //! Pictures of the window, on request and for checks.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use bevy::prelude::*;
-use bevy::render::render_resource::PipelineCache;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
-use bevy::render::{Render, RenderApp, RenderSystems};
 
 use super::act::Action;
 use super::scene::Growing;
 use super::state::{Course, Shown, Toasts};
 use crate::files::write_whole;
+use crate::render::compiling::Compiling;
 use crate::render::{Stage, StepFraction};
 
 /// Takes a picture once a step is on screen, then ends the program.
@@ -37,31 +35,10 @@ impl PictureFailure {
     }
 }
 
-/// Whether a shader was still being compiled in the last frame drawn.
-#[derive(Resource, Debug, Clone, Default)]
-pub(super) struct Compiling(Arc<AtomicBool>);
-
-impl Compiling {
-    /// Has it told by the renderer of an app that has one.
-    pub fn watch(app: &mut App) {
-        let compiling = Self::default();
-        app.insert_resource(compiling.clone());
-        if let Some(render) = app.get_sub_app_mut(RenderApp) {
-            render.insert_resource(compiling).add_systems(
-                Render,
-                (|cache: Res<PipelineCache>, compiling: Res<Self>| {
-                    compiling.0.store(cache.waiting_pipelines().next().is_some(), Ordering::Relaxed);
-                })
-                .in_set(RenderSystems::Cleanup),
-            );
-        }
-    }
-}
-
 /// Frames that everything has to have been ready for.
 const CALM: u32 = 4;
-/// Frames from the start in which more may still be asked for: of shaders, and of what the tree casts its shadow on.
-const WARM: u32 = 12;
+/// Frames from the start in which textures may still be made, and shaders asked for.
+const WARM: u32 = 30;
 /// Frames from the start after which no shader is waited for any more.
 const PATIENT: u32 = 200;
 
@@ -80,7 +57,7 @@ pub(super) fn picture_then_exit(
     let Some(wanted) = wanted else { return };
     let reached = course.stopped || shown.view.as_ref().is_some_and(|view| view.step >= wanted.step);
     let ready = plants.iter().all(|(stage, fraction)| stage.is_settled() && fraction.0 >= 1.0);
-    let compiled = compiling.is_none_or(|compiling| !compiling.0.load(Ordering::Relaxed));
+    let compiled = compiling.is_none_or(|compiling| !compiling.is_under_way());
     *frames += 1;
     if reached && ready && !plants.is_empty() && *frames > if compiled { WARM } else { PATIENT } {
         *calm += 1;
