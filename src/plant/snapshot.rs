@@ -151,7 +151,7 @@ fn each<Parts: ReadOnlyQueryData>(
 }
 
 /// Does two things, on two threads if `n` organs are worth it.
-fn at_once(world: &World, n: usize, mut one: impl FnMut() + Send, mut other: impl FnMut() + Send) {
+fn at_once(world: &World, n: usize, one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
     match world.get_resource::<Workers>().filter(|_| n > MANY) {
         Some(workers) => workers.both(one, other),
         None => {

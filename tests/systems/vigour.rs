@@ -48,6 +48,22 @@ fn share_surplus_gives_buds_whole_internodes_with_their_leaves() {
 }
 
 #[test]
+fn gather_claims_takes_back_what_was_not_used_and_share_surplus_gives_it_out_once() {
+    let all = 8.0 * f64::from(vigour::internode_cost(&by_vigour()));
+    let (mut nursery, main, side) = fork(by_vigour(), 0.0);
+    nursery.set(main, Allotment(all as f32));
+    nursery.run(share::gather_claims);
+    close(got(&nursery, main), 0.0);
+    // Between two parts of a step a host prunes: what is left is asked anew, and nothing is lost.
+    let birth = nursery.birth(side);
+    burgeon::plant::shed(nursery.app.world_mut(), &[(birth, Cause::Pruned)]);
+    nursery.run(share::share_surplus);
+    close(got(&nursery, main), all);
+    nursery.run(share::share_surplus);
+    close(got(&nursery, main) + nursery.stored(), all);
+}
+
+#[test]
 fn share_surplus_favours_the_main_axis_by_apical_control() {
     let species = Species { apical_control: [0.75].into(), ..by_vigour() };
     let unit = f64::from(vigour::internode_cost(&species));
