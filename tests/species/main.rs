@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod forms;
+mod long_lives;
 mod neighbours;
 
 use bevy::math::ops;
@@ -13,7 +14,7 @@ use burgeon::files::ResolvedScenario;
 use burgeon::plant::Snapshot;
 use burgeon::plant::measure::Form;
 use burgeon::plant::skeleton::Skeleton;
-use burgeon::scenario::{Edit, PlacedSolid, Scenario, TimedEdit};
+use burgeon::scenario::{Edit, PlacedSolid, Scenario, TimedEdit, apply};
 use burgeon::species::Allocation;
 use common::check::check_solids;
 use common::{garden, over_seeds, shipped};

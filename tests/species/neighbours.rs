@@ -1,7 +1,6 @@
 //! Dense stands, gaps and losses: what neighbours make of a tree, asserted over seeds for three species.
 
 use burgeon::plant::measure::Form;
-use burgeon::scenario::{Edit, apply};
 
 use super::*;
 use crate::common::measure::{mean_position, median};
