@@ -4,10 +4,10 @@ mod common;
 
 use bevy::prelude::*;
 use burgeon::growth::nodes::{drooped, favour, fork, leaving, planated, whorl};
-use burgeon::growth::sensing::{SensingJob, gather_probes};
+use burgeon::growth::sensing::{SensingJob, choose_growth_targets, gather_probes, render_cube_maps};
 use burgeon::growth::shoots::{Plan, floor, plan};
 use burgeon::growth::{forecast, sag, share, vigour};
-use burgeon::plant::{Allotment, Attachment, Internode, LateralBud, OrganKind, Pose, measure::Form};
+use burgeon::plant::{Allotment, Attachment, Exposure, Internode, LateralBud, OrganKind, Pose, measure::Form};
 use burgeon::species::{Allocation, Species};
 use common::by_hand::Nursery;
 use common::{grown, quick};
@@ -204,6 +204,32 @@ fn leaves_of_one_cell_share_a_look_around() {
     };
     assert_eq!(count(0.0), 6, "off");
     assert_eq!(count(1.0), 1);
+}
+
+#[test]
+fn who_shares_a_look_hides_neither_itself_nor_its_bud() {
+    let grown = |cell: f32| {
+        let species = Species { light_cell_m: cell, leaf_length_m: 0.1, leaf_width_m: 0.1, ..plain() };
+        let mut nursery = Nursery::new(species);
+        let stems = [0.1, 0.06].map(|length| nursery.stem(None, length));
+        let [low, high] = stems.map(|stem| nursery.leaf(stem, 1.0, 0.0));
+        let bud = nursery.lateral_bud(stems[1], 1, 0.0, 0.0);
+        let flat = Quat::from_rotation_z(-core::f32::consts::FRAC_PI_2);
+        for (leaf, height) in [(low, 0.1), (high, 0.16)] {
+            nursery.set(leaf, Pose { position: Vec3::Y * height, rotation: flat });
+        }
+        nursery.set(bud, Pose { position: Vec3::Y * 0.16, rotation: Quat::IDENTITY });
+        nursery.run(gather_probes);
+        let looks = nursery.app.world().resource::<SensingJob>().requests.len();
+        nursery.run(render_cube_maps);
+        nursery.run(choose_growth_targets);
+        (looks, [low, high, bud].map(|organ| nursery.get::<Exposure>(organ).light))
+    };
+    let ((alone, [_, bright, _]), (shared, [dim, high, bud])) = (grown(0.0), grown(1.0));
+    assert_eq!((alone, shared), (2, 1));
+    assert!(dim < 0.9 * bright, "the lower leaf lies in shade: {dim}, {bright}");
+    assert!((high - bright).abs() < 0.02, "nothing stands above the upper one: {high}, alone {bright}");
+    assert_eq!(bud, high, "a bud asleep takes what its leaf sees");
 }
 
 #[test]

@@ -150,6 +150,21 @@ impl CubeMap {
         Self::render(tracer, probe.position, probe.face, &probe.blind_to)
     }
 
+    /// The same map without some organs, showing what stands behind them; `None` if none of them is in it. `blind`
+    /// names these and those it was blind to before.
+    pub fn without(&self, tracer: &Tracer, organs: &[u32], blind: &[u32]) -> Option<Self> {
+        let shows = |texel: &Texel| tracer.birth(texel.seen).is_some_and(|birth| organs.contains(&birth));
+        let first = self.texels.iter().position(shows)?;
+        let n = self.rays.solid_angles.len();
+        let mut map = self.clone();
+        for (k, texel) in map.texels.iter_mut().enumerate().skip(first).filter(|(_, texel)| shows(texel)) {
+            let direction = self.rays.faces[k / n].directions[k % n];
+            let hit = tracer.closest(self.position, direction, f32::INFINITY, blind);
+            *texel = Texel { depth: hit.t, seen: hit.seen, bright: tracer.is_light(hit.seen) };
+        }
+        Some(map)
+    }
+
     /// Where it was seen from, world metres.
     pub fn position(&self) -> Vec3 {
         self.position

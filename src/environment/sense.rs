@@ -27,8 +27,8 @@ use super::trace::Tracer;
 use super::workers::Workers;
 use crate::species::LightReading;
 use reproject::Reprojection;
-pub use search::{Choice, Search, Terms, cap_direction};
-use search::{Reading, fitness, rank, terms};
+pub use search::{Choice, Reading, Search, Terms, cap_direction};
+use search::{fitness, rank, terms};
 
 /// One organ's wish to look around.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +39,9 @@ pub struct SenseRequest {
     pub reading: LightReading,
     /// Where to grow, for a growing bud; it searches from the probe's position.
     pub search: Option<Search>,
+    /// Others who read the same map, each by the births of the organs it does not see either: itself and the internode
+    /// it sits on.
+    pub guests: Vec<[u32; 2]>,
 }
 
 /// What it read.
@@ -52,6 +55,8 @@ pub struct Sensed {
     pub choice: Option<Choice>,
     /// All candidates of the search, the best first.
     pub ranked: Vec<Choice>,
+    /// What the guests read, in their order.
+    pub guests: Vec<Reading>,
 }
 
 /// How much fitness the fast way of comparing candidates gives away against a map at each of them.
@@ -111,12 +116,29 @@ pub fn fitness_given_away(
 
 fn sense_one(tracer: &Tracer, request: &SenseRequest, sensing: &Sensing) -> Sensed {
     let map = CubeMap::at(tracer, &request.probe);
-    let Reading { light, space } = read(tracer, &map, request, sensing);
+    let Reading { light, space } = read(tracer, &map, request, &request.probe.blind_to, sensing);
     let ranked = request.search.as_ref().map_or_else(Vec::new, |search| {
         let readings = candidates(tracer, request, search, sensing, &map);
         rank(search, &readings, map.size())
     });
-    Sensed { light, space, choice: ranked.first().copied(), ranked }
+    let guests = request.guests.iter().map(|&guest| read_as(tracer, &map, request, guest, sensing)).collect();
+    Sensed { light, space, choice: ranked.first().copied(), ranked, guests }
+}
+
+/// What a guest reads in a map: it sees neither what the map is blind to nor its own.
+fn read_as(
+    tracer: &Tracer,
+    map: &CubeMap,
+    request: &SenseRequest,
+    guest: [u32; 2],
+    sensing: &Sensing,
+) -> Reading {
+    let ([a, b], [c, d]) = (request.probe.blind_to, guest);
+    let blind = [a, b, c, d];
+    match map.without(tracer, &guest, &blind) {
+        Some(own) => read(tracer, &own, request, &blind, sensing),
+        None => read(tracer, map, request, &blind, sensing),
+    }
 }
 
 /// What one organ sees, read again with all that went into it.
@@ -133,10 +155,15 @@ pub struct Look {
     pub barred: Vec<bool>,
 }
 
-/// Looks around from one probe as [`sense`] does, and keeps what it saw.
-pub fn look(tracer: &Tracer, request: &SenseRequest, sensing: &Sensing) -> Look {
-    let sensed = sense_one(tracer, request, sensing);
-    let map = CubeMap::at(tracer, &request.probe);
+/// Looks around from one probe as [`sense`] does, and keeps what it saw; of a guest's, if one is named by its index.
+pub fn look(tracer: &Tracer, request: &SenseRequest, guest: Option<usize>, sensing: &Sensing) -> Look {
+    let mut sensed = sense_one(tracer, request, sensing);
+    let mut map = CubeMap::at(tracer, &request.probe);
+    if let Some(guest) = guest.filter(|guest| *guest < request.guests.len()) {
+        Reading { light: sensed.light, space: sensed.space } = sensed.guests[guest];
+        let ([a, b], [c, d]) = (request.probe.blind_to, request.guests[guest]);
+        map = map.without(tracer, &[c, d], &[a, b, c, d]).unwrap_or(map);
+    }
     let Probe { position, ref blind_to, .. } = request.probe;
     let (terms, barred) = request.search.as_ref().map_or_else(Default::default, |search| {
         let readings = candidates(tracer, request, search, sensing, &map);
@@ -147,10 +174,10 @@ pub fn look(tracer: &Tracer, request: &SenseRequest, sensing: &Sensing) -> Look 
     Look { map, sensed, terms, barred }
 }
 
-fn read(tracer: &Tracer, map: &CubeMap, request: &SenseRequest, sensing: &Sensing) -> Reading {
+fn read(tracer: &Tracer, map: &CubeMap, request: &SenseRequest, blind: &[u32], sensing: &Sensing) -> Reading {
     let light = match request.reading {
         LightReading::Share => map.share(sensing.weight),
-        LightReading::Radiance => map.light(tracer, &request.probe.blind_to),
+        LightReading::Radiance => map.light(tracer, blind),
     };
     Reading { light, space: map.space(request.probe.space_range, sensing.weight) }
 }
@@ -192,7 +219,7 @@ fn candidates(
             match &reprojection {
                 None => {
                     let map = CubeMap::render(tracer, point, face, blind_to);
-                    read(tracer, &map, request, sensing)
+                    read(tracer, &map, request, blind_to, sensing)
                 }
                 Some(reprojection) => {
                     let Reading { light, space } = reprojection.at(offset);
@@ -218,6 +245,7 @@ impl SenseRequest {
             probe,
             reading: LightReading::Share,
             search: Some(Search { rotation, cone, reach, ..Search::default() }),
+            guests: Vec::new(),
         }
     }
 
@@ -229,6 +257,11 @@ impl SenseRequest {
         space_range: f32,
         reading: LightReading,
     ) -> Self {
-        Self { probe: Probe { position, blind_to, face, space_range }, reading, search: None }
+        Self {
+            probe: Probe { position, blind_to, face, space_range },
+            reading,
+            search: None,
+            guests: Vec::new(),
+        }
     }
 }

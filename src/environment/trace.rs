@@ -8,8 +8,11 @@
 //!
 //! *An organ never hides itself nor its own bud.* A ray does not see the organs it is told to be `blind` to
 //! (the prober and the internode it sits on), nor any wood that encloses its own origin (the joint a bud or
-//! leaf grows from). Nothing else is skipped. In particular a solid hides everything from a point inside it,
+//! leaf grows from). Nothing else is skipped; an organ that reads another's map does so [without] its own. In
+//! particular a solid hides everything from a point inside it,
 //! and underground it is dark.
+//!
+//! [without]: super::cube_map::CubeMap::without
 //!
 //! Of equal depths the lowest birth is seen; then lamps, solids and the ground, in this order (`LK-13`). The
 //! answers are those of testing every occluder in turn: they do not depend on the tree of boxes.

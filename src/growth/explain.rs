@@ -159,8 +159,10 @@ pub fn explain_in(
     let lookouts = looks.then(|| Lookouts::of(shot, &around.sensing, around.mechanisms));
     let sight = lookouts.and_then(|lookouts| {
         let here = lookouts.read[i]?;
-        let through = Some(lookouts.organs[here]).filter(|organ| *organ != i).map(|organ| shot.birth[organ]);
-        Some(Sight { through, ..sight(shot, i, around, tracer, lookouts.requests[here].clone()) })
+        let host = lookouts.organs[here.request];
+        let through = Some(host).filter(|organ| *organ != i).map(|organ| shot.birth[organ]);
+        let request = lookouts.requests[here.request].clone();
+        Some(Sight { through, ..sight(shot, i, around, tracer, request, here.guest) })
     });
     Some(Explanation {
         step: shot.step,
@@ -182,8 +184,15 @@ pub fn explain_in(
     })
 }
 
-fn sight(shot: &Snapshot, i: usize, around: &Surroundings, tracer: &Tracer, request: SenseRequest) -> Sight {
-    let look = look(tracer, &request, &around.sensing);
+fn sight(
+    shot: &Snapshot,
+    i: usize,
+    around: &Surroundings,
+    tracer: &Tracer,
+    request: SenseRequest,
+    guest: Option<usize>,
+) -> Sight {
+    let look = look(tracer, &request, guest, &around.sensing);
     let faces = look.map.faces(&tracer.scene().sky, request.probe.space_range, around.sensing.weight);
     let target = match &shot.state[i] {
         OrganState::ApicalBud(_, _, target) | OrganState::LateralBud(_, target) => Some(*target),

@@ -13,7 +13,7 @@ use super::parts::{AT_ONCE, StepParts};
 use crate::environment::plugin::standing_scene;
 use crate::environment::probe::{Probe, Sensing};
 use crate::environment::sense::room::{self, Wish};
-use crate::environment::sense::{Search, SenseRequest, Sensed, sense};
+use crate::environment::sense::{Reading, Search, SenseRequest, Sensed, sense};
 use crate::environment::trace::Tracer;
 use crate::environment::workers::Workers;
 use crate::environment::{Scene, gather};
@@ -30,8 +30,8 @@ pub struct SensingJob {
     /// From where they look.
     #[reflect(ignore)]
     pub requests: Vec<SenseRequest>,
-    /// The organs that read what is found, and at which index: some share a look ([`Lookouts`]).
-    pub lookers: Vec<(Entity, usize)>,
+    /// The organs that read what is found, and where: some share a look ([`Lookouts`]).
+    pub lookers: Vec<(Entity, Place)>,
     /// What each found; filled by [`SensingJob::look`].
     #[reflect(ignore)]
     pub found: Vec<Sensed>,
@@ -118,16 +118,35 @@ impl SensingJob {
     }
 }
 
+/// Where an organ finds what it looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Reflect)]
+pub struct Place {
+    /// Which request.
+    pub request: usize,
+    /// Which of its guests, if it is not the organ that looks.
+    pub guest: Option<usize>,
+}
+
+impl Place {
+    /// What was read there.
+    fn reading(self, found: &Sensed) -> Option<Reading> {
+        match self.guest {
+            None => Some(Reading { light: found.light, space: found.space }),
+            Some(guest) => found.guests.get(guest).copied(),
+        }
+    }
+}
+
 /// From where the organs of some plants look around, and who reads what is seen there: an organ that chooses no way
-/// shares a look with others of its cell, a bud asleep by a leaf takes what the leaf sees.
+/// shares a look with others of its cell, blind to itself all the same; a bud asleep by a leaf takes what the leaf sees.
 #[derive(Debug, Default)]
 pub struct Lookouts {
     /// What is asked from each.
     pub requests: Vec<SenseRequest>,
     /// The organ that stands at each, by its index.
     pub organs: Vec<usize>,
-    /// Which of them each organ reads, if any.
-    pub read: Vec<Option<usize>>,
+    /// Where each organ reads, if it does.
+    pub read: Vec<Option<Place>>,
 }
 
 impl Lookouts {
@@ -146,18 +165,23 @@ impl Lookouts {
             };
             let rests = request.search.is_none();
             let through = (rests && leaf != u32::MAX).then(|| all.read[leaf as usize]).flatten();
-            let shared = rests.then(|| cell(shot, i, request.probe.position)).flatten();
+            let shared =
+                (rests && through.is_none()).then(|| cell(shot, i, request.probe.position)).flatten();
             let new = all.requests.len();
-            let here = match (through, shared) {
+            let host = shared.map_or(new, |cell| *cells.entry(cell).or_insert(new));
+            all.read[i] = Some(match (through, host) {
                 (Some(through), _) => through,
-                (None, Some(cell)) => *cells.entry(cell).or_insert(new),
-                (None, None) => new,
-            };
-            all.read[i] = Some(here);
-            if here == new {
-                all.requests.push(request);
-                all.organs.push(i);
-            }
+                (None, host) if host < new => {
+                    let guests = &mut all.requests[host].guests;
+                    guests.push(request.probe.blind_to);
+                    Place { request: host, guest: Some(guests.len() - 1) }
+                }
+                (None, _) => {
+                    all.requests.push(request);
+                    all.organs.push(i);
+                    Place { request: new, guest: None }
+                }
+            });
         }
         all
     }
@@ -226,6 +250,7 @@ pub fn request(
         probe,
         reading: species.light_reading,
         search: searches.then(|| search(species, shot, i, mechanisms)),
+        guests: Vec::new(),
     })
 }
 
@@ -289,7 +314,7 @@ pub fn choose_growth_targets(world: &mut World) {
     let mechanisms = *world.resource::<Mechanisms>();
     let mut organs = world.query::<(&mut Exposure, Option<&mut GrowthTarget>)>();
     let first = world.resource_mut::<StepParts>().rest.take().map_or(0, |rest| rest.start as usize);
-    for (k, &(entity, index)) in job.lookers.iter().enumerate().skip(first) {
+    for (k, &(entity, place)) in job.lookers.iter().enumerate().skip(first) {
         if k > first && k % (16 * AT_ONCE) == 0 && world.resource::<StepParts>().is_time_up() {
             let mut parts = world.resource_mut::<StepParts>();
             parts.rest = Some(k as u32..job.lookers.len() as u32);
@@ -297,11 +322,12 @@ pub fn choose_growth_targets(world: &mut World) {
             world.insert_resource(job);
             return;
         }
-        let Some(found) = job.found.get(index) else { continue };
+        let Some(found) = job.found.get(place.request) else { continue };
+        let Some(Reading { light, space }) = place.reading(found) else { continue };
         let Ok((mut exposure, target)) = organs.get_mut(world, entity) else { continue };
         *exposure = Exposure {
-            light: if mechanisms.light { found.light } else { 1.0 },
-            space: if mechanisms.space { found.space } else { 1.0 },
+            light: if mechanisms.light { light } else { 1.0 },
+            space: if mechanisms.space { space } else { 1.0 },
             sensed: true,
         };
         if let Some(mut target) = target {

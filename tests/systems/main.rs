@@ -10,7 +10,7 @@ use bevy::prelude::*;
 use burgeon::environment::{Solid, SolidShape};
 use burgeon::growth::generation::{BudBroke, Condemned, derive_poses, germinate, open_books, shed_condemned};
 use burgeon::growth::nodes::{FreshNode, FreshNodes, form_nodes, unfold_leaves};
-use burgeon::growth::sensing::{SensingJob, choose_growth_targets, gather_probes, render_cube_maps};
+use burgeon::growth::sensing::{Place, SensingJob, choose_growth_targets, gather_probes, render_cube_maps};
 use burgeon::growth::{
     Mechanisms, Stage, StepCount, buds, energy, finish, generation, liabilities, share, shoots, sprouts, wood,
 };
@@ -389,7 +389,8 @@ fn gather_probes_asks_for_every_bud_and_leaf_and_only_fed_buds_search() {
     let unfed = nursery.apical_bud(Some(trunk), 1.0, 0.0);
     nursery.run(gather_probes);
     let job = nursery.app.world().resource::<SensingJob>();
-    assert_eq!(job.lookers, [(leaf, 0), (fed, 1), (unfed, 0)], "an unfed bud reads what its leaf finds");
+    let readers = [(leaf, 0), (fed, 1), (unfed, 0)].map(|(e, request)| (e, Place { request, guest: None }));
+    assert_eq!(job.lookers, readers, "an unfed bud reads what its leaf finds");
     let searches: Vec<bool> = job.requests.iter().map(|r| r.search.is_some()).collect();
     assert_eq!(searches, [false, true]);
     assert_eq!((job.scene.capsules.len(), job.scene.leaves.len()), (1, 1));

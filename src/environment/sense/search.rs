@@ -92,9 +92,11 @@ impl Terms {
 
 /// Light and space at a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Reading {
-    pub(super) light: f32,
-    pub(super) space: f32,
+pub struct Reading {
+    /// Light, 0..1.
+    pub light: f32,
+    /// Free space, 0..1.
+    pub space: f32,
 }
 
 /// Direction `i` of `count` spread evenly over the spherical cap of half angle `cone` (radians) about +Y.
