@@ -164,7 +164,13 @@ pub fn main() -> ExitCode {
         Some(Command::Completions(command)) => command.run(),
     };
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => match output::unsaid() {
+            Some(why) => {
+                eprintln!("burgeon: could not write to standard output: {why}");
+                ExitCode::from(1)
+            }
+            None => ExitCode::SUCCESS,
+        },
         Err(failure) => {
             eprintln!("burgeon: {failure}");
             ExitCode::from(failure.code())

@@ -31,7 +31,7 @@ impl Default for GrowthLimits {
 
 /// A limit that growth has come to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("stopped at step {step}: {reached} {what} reach the limit of {limit}")]
+#[error("stopped at step {step}: {what} {reached}, and {limit} is the limit")]
 pub struct LimitReached {
     /// Steps grown.
     pub step: u32,
@@ -52,10 +52,10 @@ pub fn limit_reached(world: &World) -> Option<LimitReached> {
     let organs =
         world.get_resource::<Roster>().map_or(0, Roster::len).saturating_add(forecast::next_step(world));
     let taken = [
-        ("probes in one step", probes, most.probes),
-        ("steps", step as usize, most.steps),
-        ("organs after the next step", organs, most.organs),
-        ("bytes of memory after the next step", organs.saturating_mul(ORGAN_BYTES), most.memory),
+        ("probes in one step are", probes, most.probes),
+        ("steps grown are", step as usize, most.steps),
+        ("organs after the next step could be", organs, most.organs),
+        ("bytes of memory after the next step could be", organs.saturating_mul(ORGAN_BYTES), most.memory),
     ];
     let (what, reached, limit) = taken.into_iter().find(|(_, reached, limit)| reached >= limit)?;
     Some(LimitReached { step, what, reached, limit })

@@ -170,10 +170,16 @@ fn a_wall_on_one_side_leaves_the_draws_of_the_other_side_as_they_were() {
     let walled = walled.snapshot();
     assert!(walled.len() != free.len() || walled.pose != free.pose, "the wall is felt");
     let far = |p: Vec3| p.x < 0.0;
-    let (free, walled) = (turns(&free, far), turns(&walled, far));
+    // Limbs that end at the wall move others a little, some of them across the middle.
+    let (free, walled) = (turns(&free, far), turns(&walled, |_| true));
+    let both = free.iter().filter(|(lineage, _)| walled.contains_key(lineage)).count();
     let same = free.iter().filter(|(lineage, turn)| walled.get(lineage) == Some(turn)).count();
-    println!("wall: {same} of {} organs on the other side as they were", free.len());
-    assert!(free.len() > 50 && same * 100 >= free.len() * 95, "{same} of {}", free.len());
+    println!(
+        "wall: {} organs on the other side, {both} of them still there, {same} as they were",
+        free.len()
+    );
+    assert!(free.len() > 50 && both * 100 >= free.len() * 95, "{both} of {}", free.len());
+    assert_eq!(same, both, "every draw is as it was");
 }
 
 /// Height, crown width and leaves.
@@ -188,16 +194,23 @@ fn no_butterfly_effect() {
     let cases = [
         ("figure_1c", "lam_king", 9, [&lengths[..], &["branching_angle_deg", "leaf_income"]].concat()),
         (
-            "courtyard",
+            "open",
             "oak",
             8,
-            vec!["branching_angle_deg", "leaf_income", "shoot_cost", "weight_heading", "node_spacing_m"],
+            vec![
+                "branching_angle_deg",
+                "leaf_income",
+                "shoot_cost",
+                "weight_heading",
+                "node_spacing_m",
+                "apical_control",
+                "phyllotaxis_deg",
+            ],
         ),
     ];
     let mut broken = Vec::new();
     for (scenario, species, steps, parameters) in cases {
-        let mut resolved = quick(scenario);
-        resolved.scenario.solids.clear();
+        let resolved = quick(scenario);
         let plain = over_seeds(0..20, |seed| size(&resolved, seed, steps));
         for (name, by) in parameters.into_iter().flat_map(|name| [(name, 1.01), (name, 0.99)]) {
             let mut changed = resolved.clone();

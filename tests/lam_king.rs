@@ -15,7 +15,7 @@ use burgeon::plant::{
     LateralBud, LateralBudState, Leaf, LeafState, NO_PARENT, Node, OrganKind, OrganState, Plant, Pose,
     Snapshot,
 };
-use burgeon::reproduce::measure::{collisions, growth, rank_correlation};
+use burgeon::reproduce::measure::{Favour, collisions, growth};
 use burgeon::species::{Allocation, LightReading, Species};
 use common::by_hand::Nursery;
 use common::check::inside;
@@ -397,17 +397,15 @@ fn figure(name: &str) -> Vec<Snapshot> {
 /// How the height of buds goes with what they grow, by rank, over all steps of a tree's youth.
 fn height_and_growth(name: &str, seed: u64, steps: u32) -> f64 {
     let mut garden = garden(quick(name), seed);
-    let (mut sum, mut buds) = (0.0, 0.0);
+    let mut favour = Favour::default();
     let mut before = garden.snapshot();
     for _ in 0..steps {
         garden.step().unwrap();
         let after = garden.snapshot();
-        let pairs = growth(&before, &after);
-        sum += rank_correlation(&pairs) * pairs.len() as f64;
-        buds += pairs.len() as f64;
+        favour.add(&growth(&before, &after));
         before = after;
     }
-    sum / buds
+    favour.mean()
 }
 
 #[test]

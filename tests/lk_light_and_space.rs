@@ -179,8 +179,7 @@ fn lk_13_a_lamp_gives_its_strength_by_its_solid_angle() {
                 lamps: vec![lamp(direction * distance, 2.0, radius)],
                 ..Scene::default()
             };
-            let request =
-                SenseRequest::leaf(Vec3::ZERO, [u32::MAX - 1; 2], 8, 1.0, LightReading::Radiance);
+            let request = SenseRequest::leaf(Vec3::ZERO, [u32::MAX - 1; 2], 8, 1.0, LightReading::Radiance);
             let light = sense(&Tracer::build(&scene), &[request], &Sensing::default(), &workers)[0].light;
             close(light, expected.min(1.0), 0.03 * expected);
         }

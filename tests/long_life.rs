@@ -6,6 +6,7 @@ use std::alloc::System;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use bevy::prelude::*;
+use burgeon::assets::Library;
 use burgeon::growth::generation::BudBroke;
 use burgeon::plant::{Fallen, OrganShed};
 use burgeon::scenario::{Edit, Garden, apply};
@@ -118,6 +119,25 @@ fn generations_follow_each_other_for_two_thousand_steps_in_level_memory() {
     assert!(old.fell > young.fell * 3 / 2, "generations come and go");
     assert!(old.most_organs < young.most_organs * 5 / 4, "organs at most {young:?} {old:?}");
     assert!(old.most_bytes < young.most_bytes / 20 * 21, "bytes at most {young:?} {old:?}");
+    no_entity_too_many(&garden, empty);
+}
+
+#[test]
+fn a_birch_on_poor_ground_lives_two_thousand_years_at_balance() {
+    let _alone = alone();
+    let mut resolved = Library::embedded().alone("silver_birch").unwrap();
+    resolved.scenario.sensing.leaf_face = 2;
+    resolved.scenario.sensing.bud_face = 2;
+    resolved.species.get_mut("silver_birch").unwrap().leaf_income *= 0.4;
+    let mut garden = garden(resolved, 1);
+    let empty = garden.world().entities().count_spawned();
+    let [young, old] = long_life(&mut garden, |_, _| ());
+    assert!(garden.records().iter().rev().take(100).any(|year| year.form.leaves > 0), "it lives");
+    // Wood that it lost is grown again, more or less.
+    assert!(old.most_organs < young.most_organs * 3 / 2, "organs at most {young:?} {old:?}");
+    assert!(old.most_leaves < young.most_leaves * 3 / 2, "leaves at most {young:?} {old:?}");
+    assert!(old.fell > young.fell + 1_000, "it sheds as it grows");
+    assert!(old.most_bytes < young.most_bytes + 1_000 * 1_000, "bytes at most {young:?} {old:?}");
     no_entity_too_many(&garden, empty);
 }
 

@@ -7,7 +7,9 @@ use burgeon::growth::nodes::{drooped, favour, fork, leaving, planated, whorl};
 use burgeon::growth::sensing::{SensingJob, choose_growth_targets, gather_probes, render_cube_maps};
 use burgeon::growth::shoots::{Plan, floor, plan};
 use burgeon::growth::{forecast, sag, share, vigour};
-use burgeon::plant::{Allotment, Attachment, Exposure, Internode, LateralBud, OrganKind, Pose, measure::Form};
+use burgeon::plant::{
+    Allotment, Attachment, Exposure, Internode, LateralBud, OrganKind, Pose, measure::Form,
+};
 use burgeon::species::{Allocation, Species};
 use common::by_hand::Nursery;
 use common::{grown, quick};

@@ -12,7 +12,7 @@ use burgeon::species::Species;
 use common::by_hand::Nursery;
 use common::check::{check, check_solids, check_world};
 use common::measure::{count, mean_position, wood_centroid};
-use common::{garden, grown, over_seeds, quick};
+use common::{garden, grown, over_seeds, quick, shipped};
 
 const SEEDS: std::ops::Range<u64> = 1..11;
 
@@ -132,6 +132,24 @@ fn no_branch_passes_through_a_solid_in_any_scenario() {
         let trees = touching.iter().filter(|&&stems| stems > 0).count();
         println!("{name}: {trees} of 100 trees touch a solid, with {} stems", touching.iter().sum::<usize>());
         assert!(trees > 20, "{name}: only {trees} of 100 trees touch a solid");
+    }
+}
+
+#[test]
+fn no_branch_passes_through_a_solid_of_a_shipped_scenario_in_all_its_steps() {
+    for (name, seeds) in [("figure_1d", 1..9), ("wall", 1..2), ("dusk", 1..2), ("courtyard", 1..2)] {
+        let mut resolved = shipped(name);
+        resolved.scenario.sensing.leaf_face = 3;
+        resolved.scenario.sensing.bud_face = 4;
+        over_seeds(seeds, |seed| {
+            let mut garden = garden(resolved.clone(), seed);
+            for step in 0..resolved.scenario.steps {
+                garden.step().unwrap();
+                let shot = garden.snapshot();
+                check_solids(garden.world_mut(), &shot)
+                    .unwrap_or_else(|why| panic!("{name}, seed {seed}, step {step}: {why}"));
+            }
+        });
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::time::Duration;
 
 use clap::Args;
@@ -134,9 +135,22 @@ impl Folder {
     }
 }
 
-/// Prints a line; a reader that has gone away is no error.
+/// Why a line could not be printed, the first time one could not.
+static UNSAID: OnceLock<std::io::Error> = OnceLock::new();
+
+/// Prints a line; a reader that has gone away is no error, another failure is told at the end: [`unsaid`].
 pub fn say(line: impl core::fmt::Display) {
-    let _ = writeln!(std::io::stdout(), "{line}");
+    if let Err(why) = writeln!(std::io::stdout(), "{line}")
+        && why.kind() != std::io::ErrorKind::BrokenPipe
+    {
+        // Only the first failure is told.
+        let _ = UNSAID.set(why);
+    }
+}
+
+/// Why something could not be printed, if that was so.
+pub fn unsaid() -> Option<&'static std::io::Error> {
+    UNSAID.get()
 }
 
 /// A bar on the terminal, none elsewhere. `what` follows the count.

@@ -69,6 +69,26 @@ pub fn growth(before: &Snapshot, after: &Snapshot) -> Vec<(f32, f32)> {
     shoots
 }
 
+/// How the height of buds goes with what they grow, over the steps of a life.
+#[derive(Debug, Default, Clone, Copy)]
+pub struct Favour {
+    sum: f64,
+    buds: f64,
+}
+
+impl Favour {
+    /// Adds the buds of a step, from [`growth`].
+    pub fn add(&mut self, grown: &[(f32, f32)]) {
+        self.sum += rank_correlation(grown) * grown.len() as f64;
+        self.buds += grown.len() as f64;
+    }
+
+    /// The mean rank correlation of a step, each step by the number of its buds: 0 of none.
+    pub fn mean(self) -> f64 {
+        if self.buds > 0.0 { self.sum / self.buds } else { 0.0 }
+    }
+}
+
 /// A stem segment to be tested against others.
 struct Stem {
     from: Vec3,

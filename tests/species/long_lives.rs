@@ -22,7 +22,7 @@ fn poor_ground(name: &str) -> Option<[f32; 2]> {
         "scots_pine" => Some([0.35, 0.5]),
         "silver_birch" => Some([0.4, 0.6]),
         "candelabra" => Some([0.55, 1.0]),
-        "weeping_willow" => Some([0.25, 0.5]),
+        "weeping_willow" => Some([0.3, 0.55]),
         _ => None,
     }
 }

@@ -132,7 +132,10 @@ impl Bounds {
     fn subject(&self) -> (Span, Vec<Vec3>) {
         let Some(plants) = self.plants else {
             let all = self.solids.iter().chain(&self.lamps).copied().reduce(Span::union);
-            return (all.unwrap_or(Span { min: Vec3::splat(-1.0), max: Vec3::ONE }), Vec::new());
+            return (
+                all.unwrap_or(Span { min: Vec3::new(-0.5, 0.0, -0.5), max: Vec3::new(0.5, 1.0, 0.5) }),
+                Vec::new(),
+            );
         };
         let size = plants.size().max_element().max(0.1);
         let near = plants.grown(Vec3::new(0.45, 0.1, 0.45) * size);
