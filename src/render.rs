@@ -34,7 +34,7 @@ pub use drawn::{DrawSettings, Drawn, Ghost, Look, Marks, StepFraction, Wind};
 pub use live::{GrowthPace, LiveGarden, LiveGrowthPlugin};
 pub use offscreen::{PictureAndExit, offscreen_app, offscreen_target, take_picture};
 pub use overlay::Overlay;
-pub use scenery::{Daylight, OutdoorCamera, SceneryPlugin, ScenerySettings, is_software};
+pub use scenery::{Daylight, OutdoorCamera, SceneryPlugin, ScenerySettings, SeenThrough, Tufts, is_software};
 pub use stage::Stage;
 
 /// Draws every [`Drawn`]. Needs Bevy's renderer (`PbrPlugin` and what it stands on).

@@ -26,7 +26,7 @@ pub use gardener::{
     Ending, Explained, Gardener, GardenerError, GardenerSettings, Gone, News, Order, Progress,
 };
 pub use place::{RunSeed, SpeciesBook};
-pub use preview::{borne_by, crushed_by};
+pub use preview::{borne_by, crushed_by, is_covered};
 pub use saved::{History, SavedRun};
 pub use timeline::{Ghost, Moment, Timeline, TimelineError, View, Visit, Why};
 

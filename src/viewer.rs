@@ -14,6 +14,7 @@ mod camera;
 mod files;
 mod follow;
 mod framing;
+pub mod ground;
 mod keys;
 pub mod leave;
 pub mod numbers;
@@ -23,6 +24,7 @@ mod pick;
 mod picture;
 mod pointer;
 mod scene;
+mod size;
 pub mod species_editor;
 mod state;
 mod style;
@@ -34,7 +36,8 @@ pub use act::Action;
 pub use files::{Ask, Files};
 pub use open::{ViewerWindow, WatchError, WatchSettings, watch};
 pub use pick::{pick_organ, pick_solid};
-pub use state::{Chosen, Course, Kind, Past, Shown, Toasts, Tool, ViewFrom};
+pub use size::InterfaceSize;
+pub use state::{Chosen, Course, Kind, Past, Shown, Snapping, Toasts, Tool, ViewFrom};
 
 /// Everything but the window: takes [`Action`]s, orders the [`Gardener`](crate::scenario::Gardener) and follows
 /// its news. The host inserts the gardener.
@@ -48,6 +51,7 @@ impl Plugin for ViewerLogic {
             .init_resource::<Past>()
             .init_resource::<Chosen>()
             .init_resource::<Tool>()
+            .init_resource::<Snapping>()
             .init_resource::<Toasts>()
             .init_resource::<act::Names>()
             .init_resource::<state::Doomed>()

@@ -1,6 +1,9 @@
 //! The window's own commands, played without a window.
 #![cfg(feature = "viewer")]
 
+#[path = "viewer/things.rs"]
+mod things;
+
 use std::path::Path;
 use std::time::{Duration, Instant};
 

@@ -47,6 +47,8 @@ pub struct Look {
     pub overlay: Option<Overlay>,
     /// Drawn as a ghost: without shadow, through a fine grid, tinted.
     pub ghost: Option<Ghost>,
+    /// Light that nothing gives, which lifts small plants out of the dark about them: 0 none, 1 as much as dusk needs.
+    pub fill: f32,
 }
 
 /// How a ghost is drawn.

@@ -38,6 +38,8 @@ struct Clock {
     marks: array<vec4<f32>, 3>,
     // Colour of a ghost; how much of it stays.
     ghost: vec4<f32>,
+    // Light of its own, in the first part.
+    fill: vec4<f32>,
     // False colours from 0 to 1.
     ramp: array<vec4<f32>, 16>,
 }
@@ -495,6 +497,10 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     pbr.material.base_color = vec4(color, 1.0);
     var out: FragmentOutput;
     out.color = apply_pbr_lighting(pbr);
+    // Edges catch it most, as light from behind would.
+    let edge = 1.0 - abs(dot(pbr.N, pbr.V));
+    let fill = clock.fill.x * (color * 0.7 + vec3(0.05, 0.055, 0.03) * edge * edge);
+    out.color = vec4(out.color.rgb + fill, out.color.a);
     let mark = i32(round(in.color.a));
     if mark > 0 {
         let glow = clock.marks[mark - 1];

@@ -18,6 +18,8 @@ use bevy::render::renderer::RenderAdapterInfo;
 
 use crate::environment::{Lamp, Sky, Solid};
 pub use daylight::Daylight;
+pub use ground::Tufts;
+pub use solids::SeenThrough;
 
 /// Draws every [`Solid`], [`Lamp`] and [`Sun`](crate::environment::Sun), the [`Sky`] and the [`Ground`](crate::environment::Ground).
 ///
@@ -67,13 +69,23 @@ impl Plugin for SceneryPlugin {
             .init_resource::<Daylight>()
             .register_type::<ScenerySettings>()
             .register_type::<OutdoorCamera>()
+            .register_type::<Tufts>()
+            .register_type::<SeenThrough>()
             .register_required_components::<Solid, Visibility>();
         app.register_required_components::<Lamp, Visibility>();
         app.add_systems(
             PostUpdate,
             (
                 daylight::follow_light,
-                (solids::show_solids, lamps::show_lamps, ground::show_ground, set_key_light, set_cameras),
+                (
+                    solids::show_solids,
+                    lamps::show_lamps,
+                    lamps::face_camera,
+                    ground::show_ground,
+                    ground::show_tufts,
+                    set_key_light,
+                    set_cameras,
+                ),
             )
                 .chain()
                 .before(TransformSystems::Propagate)
@@ -87,7 +99,9 @@ impl Plugin for SceneryPlugin {
             let software = app.world().get_resource::<RenderAdapterInfo>().is_some_and(is_software);
             app.insert_resource(if software { ScenerySettings::LEAN } else { ScenerySettings::FULL });
         }
-        app.init_resource::<solids::Masonry>().init_resource::<ground::Meadow>();
+        app.init_resource::<solids::Masonry>()
+            .init_resource::<ground::Meadow>()
+            .init_resource::<lamps::Glow>();
     }
 }
 

@@ -125,6 +125,7 @@ struct Clock {
     show: [f32; 4],
     marks: [[f32; 4]; 3],
     ghost: [f32; 4],
+    fill: [f32; 4],
     ramp: [[f32; 4]; 16],
 }
 
@@ -237,6 +238,7 @@ pub(super) fn write_clocks(
             ],
             marks: MARK_COLORS,
             ghost: [color.red, color.green, color.blue, share],
+            fill: [look.fill, 0.0, 0.0, 0.0],
             ramp: RAMP.map(|[r, g, b]| [r, g, b, 1.0]),
         };
         write(&mut buffers, &sheets.clock, bytemuck::bytes_of(&clock).to_vec());

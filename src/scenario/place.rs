@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use bevy::math::ops;
 use bevy::prelude::*;
 
 use super::{EditError, PlacedLamp, PlacedSolid, PlacedSun, Planting, Scenario};
 use crate::environment::{Ground, Lamp, Solid, Sun};
-use crate::plant::Plant;
+use crate::plant::{Plant, PlantRecord};
 use crate::species::Species;
 
 /// The species a run may plant, by name. A resource.
@@ -80,9 +81,78 @@ pub(crate) fn raise_sun(world: &mut World, sun: &PlacedSun) -> Entity {
 }
 
 impl PlacedSun {
+    /// The sun whose rotation takes +Z to where it stands, to a hundredth of a degree.
+    pub fn of(rotation: Quat, strength: f32) -> Self {
+        let (azimuth_deg, elevation_deg) = turn_and_rise(rotation);
+        Self { elevation_deg, azimuth_deg, strength }
+    }
+
     /// Turn that takes +Z to where the sun stands.
     pub fn rotation(&self) -> Quat {
         Quat::from_rotation_y(self.azimuth_deg.to_radians())
             * Quat::from_rotation_x(-self.elevation_deg.to_radians())
+    }
+}
+
+impl Planting {
+    /// How a plant that stands in a run with a seed was sown.
+    pub fn of(plant: &PlantRecord, seed: u64) -> Self {
+        let (turn_deg, rise) = turn_and_rise(plant.rotation);
+        Self {
+            species: plant.species.name.clone(),
+            at: plant.position,
+            turn_deg,
+            // Tilting takes +Z down as the seedling leans towards it.
+            tilt_deg: -rise,
+            seed: plant.seed.wrapping_sub(seed),
+        }
+    }
+}
+
+/// Degrees a rotation turns about the vertical, and then raises +Z above the horizon, to a hundredth.
+fn turn_and_rise(rotation: Quat) -> (f32, f32) {
+    let (right, ahead) = (rotation * Vec3::X, rotation * Vec3::Z);
+    // Of what points straight up the side still tells the turn.
+    let turn = ops::atan2(-right.z, right.x);
+    let level = ahead.x * ops::sin(turn) + ahead.z * ops::cos(turn);
+    let hundredth = |angle: f32| (angle.to_degrees() * 100.0).round() / 100.0;
+    (hundredth(turn), hundredth(ops::atan2(ahead.y, level)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sun_is_known_by_its_rotation_straight_above_too() {
+        for (azimuth_deg, elevation_deg) in [(30.0, 50.0), (-120.0, 0.0), (75.5, 90.0), (180.0, 12.25)] {
+            let sun = PlacedSun { elevation_deg, azimuth_deg, strength: 0.7 };
+            let again = PlacedSun::of(sun.rotation(), 0.7);
+            assert!((again.elevation_deg - elevation_deg).abs() < 0.011, "{again:?}");
+            let turned = (again.azimuth_deg - azimuth_deg).rem_euclid(360.0);
+            assert!(turned.min(360.0 - turned) < 0.011, "{again:?}, not {sun:?}");
+        }
+    }
+
+    #[test]
+    fn a_plant_tells_how_it_was_sown() {
+        let mut world = World::new();
+        for (turn_deg, tilt_deg) in [(0.0, 0.0), (82.0, 38.0), (-100.0, 45.0)] {
+            let at = Vec3::new(0.6, 0.0, 1.4);
+            let planting = Planting { species: "palm".into(), at, turn_deg, tilt_deg, seed: u64::MAX };
+            let species = Arc::new(Species { name: "palm".into(), ..Species::default() });
+            let entity = sow(&mut world, &planting, species.clone(), 7);
+            let place = world.get::<Transform>(entity).copied().unwrap();
+            let plant = world.get::<Plant>(entity).unwrap();
+            let record = PlantRecord {
+                species,
+                seed: plant.seed,
+                position: place.translation,
+                rotation: place.rotation,
+                store: Default::default(),
+                ledger: Default::default(),
+            };
+            assert_eq!(Planting::of(&record, 7), planting);
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! What an edit would take, before it is made. Reads a snapshot and changes nothing.
 
+use bevy::prelude::*;
+
 use crate::environment::StandingSolid;
 use crate::environment::obstacles::touches;
 use crate::plant::{Internode, NO_PARENT, OrganState, Pose, Snapshot};
@@ -19,6 +21,11 @@ pub fn crushed_by(shot: &Snapshot, solid: &StandingSolid) -> Vec<u32> {
 /// Birth numbers of the organs a cut would shed: the organ itself and all it bears. Empty if it does not live.
 pub fn borne_by(shot: &Snapshot, birth: u32) -> Vec<u32> {
     fallen(shot, |i| shot.birth[i] == birth)
+}
+
+/// Whether a seedling of a height, metres, sown at a point would stand within a hand's breadth of a solid or in it.
+pub fn is_covered(solid: &StandingSolid, at: Vec3, height: f32) -> bool {
+    touches(solid, at, at + Vec3::Y * height, 0.1)
 }
 
 /// The organs for which `cut` is true, and all they bear.

@@ -5,12 +5,15 @@ use std::path::PathBuf;
 use bevy::prelude::*;
 
 use super::files::Ask;
-use super::state::{Chosen, Course, Kind, Past, Shown, Toasts, Tool, ViewFrom};
+use super::ground::settled;
+use super::state::{Chosen, Course, Kind, Past, Shown, Snapping, Toasts, Tool, ViewFrom};
 use crate::assets::Library;
-use crate::environment::SolidShape;
+use crate::environment::{Ground, SolidShape};
 use crate::growth::Mechanisms;
 use crate::render::Overlay;
-use crate::scenario::{Edit, Gardener, Order, PlacedLamp, PlacedSolid, Planting};
+use crate::scenario::{
+    Edit, Fixtures, Gardener, Order, PlacedLamp, PlacedSolid, PlacedSun, Planting, is_covered,
+};
 
 /// Something a user does.
 #[derive(Message, Debug, Clone, PartialEq)]
@@ -31,9 +34,24 @@ pub enum Action {
     Drag(Edit),
     /// Cut an organ and all it bears, by birth number.
     Prune(u32),
-    /// Set a copy of what is chosen beside it.
+    /// Let go of a solid or lamp at a place; near the ground it is set down on it, if that is wanted.
+    Drop {
+        /// Its name.
+        name: String,
+        /// Where it is let go of.
+        place: Transform,
+        /// Whether it is set down.
+        snap: bool,
+    },
+    /// Set things down on the ground when they are let go of near it, or do not.
+    Snapping(bool),
+    /// Choose the sun; one rises if there is none.
+    Sun,
+    /// Take out a plant and sow it again on a point of the ground: the same seed, grown anew.
+    Resow(u32, Vec3),
+    /// Set a copy of what is chosen beside it; of a plant, sow another seed of its species there.
     Duplicate,
-    /// Take away what is chosen: a thing, or a branch with all it bears.
+    /// Take away what is chosen: a thing, the sun, a plant, or a branch with all it bears.
     Delete,
     /// Choose.
     Choose(Chosen),
@@ -104,6 +122,8 @@ pub(super) fn act(
     mut tool: ResMut<Tool>,
     mut toasts: ResMut<Toasts>,
     mut names: ResMut<Names>,
+    mut snapping: ResMut<Snapping>,
+    ground: Option<Res<Ground>>,
 ) {
     let Some(gardener) = gardener else { return };
     for action in actions.read() {
@@ -157,9 +177,10 @@ pub(super) fn act(
             }
             Action::Place(kind, at) => {
                 let (name, made) = thing(kind, at, &mut names, &shown, library.as_deref());
-                if let Some(name) = name {
-                    *chosen = Chosen::Thing(name);
-                }
+                *chosen = match name {
+                    Some(name) => Chosen::Thing(name),
+                    None => next_plant(&shown),
+                };
                 *tool = Tool::Choose;
                 edit(made, false, &mut past)
             }
@@ -172,7 +193,49 @@ pub(super) fn act(
                 }
                 None => true,
             },
+            Action::Drop { name, place, snap } => {
+                let shape = standing.as_ref().and_then(|standing| shape_of(standing, &name));
+                let ground = ground.as_ref().map_or(Ground::default().0, |ground| ground.0).filter(|_| snap);
+                let mut place = place;
+                if let (Some(shape), Some(ground)) = (shape, ground) {
+                    place.translation.y = settled(shape, &place, ground);
+                }
+                edit(Edit::posing(name, &place), false, &mut past)
+            }
+            Action::Snapping(on) => {
+                snapping.0 = on;
+                true
+            }
+            Action::Sun => {
+                *chosen = Chosen::Sun;
+                let up = standing.is_none_or(|standing| standing.sun.is_some());
+                up || edit(Edit::Sun(Some(PlacedSun::default())), false, &mut past)
+            }
+            Action::Resow(plant, at) => {
+                *tool = Tool::Choose;
+                match planted(&shown, plant, course.progress.seed) {
+                    Some(was) => {
+                        *chosen = next_plant(&shown);
+                        let step = past.0.take();
+                        let makes = |edit| order(Order::Edit { step, edit, drag: false });
+                        // As the gardener counts, numbers of plants are never given again.
+                        makes(Edit::Uproot { plant }) && makes(Edit::Plant(Planting { at, ..was }))
+                    }
+                    None => true,
+                }
+            }
             Action::Duplicate => match (&*chosen, &standing) {
+                (Chosen::Plant(plant), Some(standing)) => {
+                    match planted(&shown, *plant, course.progress.seed) {
+                        Some(was) => {
+                            let at = beside(was.at, &shown, standing);
+                            *chosen = next_plant(&shown);
+                            let seed = fresh_seed(&shown);
+                            edit(Edit::Plant(Planting { at, seed, ..was }), false, &mut past)
+                        }
+                        None => true,
+                    }
+                }
                 (Chosen::Thing(name), Some(standing)) => {
                     let lamp = standing.lamps.iter().find(|l| l.name == *name).map(|l| l.position);
                     let solid = standing.solids.iter().find(|s| s.name == *name).map(|s| s.position);
@@ -196,6 +259,10 @@ pub(super) fn act(
                 let made = match &*chosen {
                     Chosen::Thing(name) => Some(Edit::Remove { name: name.clone() }),
                     Chosen::Organ(birth) => cut(&shown, *birth),
+                    Chosen::Plant(plant) => {
+                        planted(&shown, *plant, 0).map(|_| Edit::Uproot { plant: *plant })
+                    }
+                    Chosen::Sun => standing.and_then(|there| there.sun).map(|_| Edit::Sun(None)),
                     Chosen::Nothing => None,
                 };
                 *chosen = Chosen::Nothing;
@@ -269,8 +336,7 @@ fn thing(
         Kind::Plant(which) => {
             let library = library.map_or_else(Library::embedded, |own| own.0.clone());
             let species = library.species_names().get(which).cloned().unwrap_or_default();
-            let sown = shown.head.as_ref().map_or(0, |head| head.shot.plants.len());
-            (None, Edit::Plant(Planting { species, at, seed: sown as u64, ..default() }))
+            (None, Edit::Plant(Planting { species, at, seed: fresh_seed(shown), ..default() }))
         }
     }
 }
@@ -279,4 +345,47 @@ fn cut(shown: &Shown, birth: u32) -> Option<Edit> {
     let shot = &shown.view.as_ref()?.shot;
     let i = shot.index_of(birth)?;
     Some(Edit::Prune { plant: shot.plant[i], lineage: shot.lineage[i].0 })
+}
+
+/// The form of a solid or lamp, not yet scaled.
+pub(super) fn shape_of(standing: &Fixtures, name: &str) -> Option<SolidShape> {
+    let solid = standing.solids.iter().find(|solid| solid.name == name).map(|solid| solid.thing.shape);
+    let lamp = standing.lamps.iter().find(|lamp| lamp.name == name);
+    solid.or(lamp.map(|lamp| SolidShape::Ball { radius: lamp.thing.radius }))
+}
+
+/// How a plant that is on screen was sown, in a run with a seed; `None` if it is gone.
+fn planted(shown: &Shown, plant: u32, seed: u64) -> Option<Planting> {
+    let record = shown.view.as_ref()?.shot.plants.get(plant as usize)?.as_ref()?;
+    Some(Planting::of(record, seed))
+}
+
+/// The plant that is sown next.
+fn next_plant(shown: &Shown) -> Chosen {
+    shown.view.as_ref().map_or(Chosen::Nothing, |view| Chosen::Plant(view.shot.plants.len() as u32))
+}
+
+/// A seed that no plant sown here has.
+fn fresh_seed(shown: &Shown) -> u64 {
+    shown.head.as_ref().map_or(0, |head| head.shot.plants.len() as u64)
+}
+
+/// A place on the ground a step beside another where nothing stands, as far as there is one.
+fn beside(at: Vec3, shown: &Shown, standing: &Fixtures) -> Vec3 {
+    const APART: f32 = 1.5;
+    let plants = shown.view.iter().flat_map(|view| view.shot.plants.iter().flatten());
+    let roots: Vec<Vec3> = plants.map(|plant| plant.position).collect();
+    let places = (1..=3).flat_map(|ring| {
+        (0..8).map(move |k| {
+            let (sin, cos) = bevy::math::ops::sin_cos(k as f32 * core::f32::consts::FRAC_PI_4);
+            at + APART * ring as f32 * Vec3::new(cos, 0.0, sin)
+        })
+    });
+    let free = |place: &Vec3| {
+        let lonely = roots.iter().all(|root| root.distance(*place) > 0.5 * APART);
+        lonely && !standing.solids.iter().any(|solid| is_covered(&solid.standing(), *place, 0.3))
+    };
+    let mut places = places.peekable();
+    let first = places.peek().copied().unwrap_or(at);
+    places.find(free).unwrap_or(first)
 }

@@ -12,6 +12,7 @@ use super::act::Action;
 use super::framing::{Free, fit, sight, yaw};
 use super::panels::Room;
 use super::state::{Course, Shown, ViewFrom};
+use super::why::split::Split;
 use crate::render::OutdoorCamera;
 
 /// Whether the camera keeps the plants in the picture.
@@ -111,6 +112,7 @@ pub(super) fn frame(
     shown: Res<Shown>,
     course: Res<Course>,
     room: Res<Room>,
+    split: Res<Split>,
     windows: Query<&Window>,
     mut framing: ResMut<Framing>,
     mut cameras: Query<&mut PanOrbitCamera>,
@@ -145,7 +147,9 @@ pub(super) fn frame(
         (camera.pitch, camera.target_pitch) = (Some(PITCH), PITCH);
     }
     let free = Free::of(Vec2::new(window.width(), window.height()), room.margins(), FOV);
-    let boxes = sight(&view.shot, &view.standing);
+    let mut boxes = sight(&view.shot, &view.standing);
+    // Both halves are seen alike, so each has to show what the other does.
+    boxes.extend(split.view().iter().flat_map(|twin| sight(&twin.shot, &twin.standing)));
     let (focus, radius) = fit(&boxes, camera.target_yaw, camera.target_pitch, free);
     (camera.target_focus, camera.target_radius) = (focus, radius);
     if anew {

@@ -15,6 +15,8 @@ const OPEN_YAW: f32 = 0.45;
 const ASIDE: f32 = 0.3;
 /// What of solids is within the height of the plants, and between these bounds in metres, is part of the picture.
 const NEAR: [f32; 2] = [0.9, 2.4];
+/// A solid that is, and reaches no farther from its middle than this along any axis, metres, is seen whole.
+const WHOLE: f32 = 4.0;
 /// A lamp is if its middle is within this of the plants, metres.
 const NEAR_LAMP: f32 = 5.0;
 /// The camera comes no nearer than this, metres.
@@ -75,8 +77,9 @@ pub(super) fn sight(shot: &Snapshot, standing: &Fixtures) -> Vec<Extent> {
         let turn = Mat3::from_quat(solid.rotation);
         let half = solid.thing.shape.scaled(solid.scale).half_size();
         let reach = turn.x_axis.abs() * half.x + turn.y_axis.abs() * half.y + turn.z_axis.abs() * half.z;
-        Extent::around(solid.position, reach)
-            .common(near((plants.high.y - plants.low.y).clamp(NEAR[0], NEAR[1])))
+        let whole = Extent::around(solid.position, reach);
+        let part = whole.common(near((plants.high.y - plants.low.y).clamp(NEAR[0], NEAR[1])))?;
+        Some(if reach.max_element() <= WHOLE { whole } else { part })
     });
     let lamps = standing.lamps.iter().filter_map(|lamp| {
         let point = Extent::around(lamp.position, Vec3::ZERO);
@@ -269,6 +272,17 @@ mod tests {
         assert!(sight(&dusk.shot, &dusk.standing).iter().any(|each| each.middle().distance(lamp) < 1e-4));
         let open = begun("open");
         assert_eq!(yaw(&open.shot, &open.standing, PITCH), OPEN_YAW);
+    }
+
+    #[test]
+    fn a_wall_beside_a_seed_is_seen_whole_and_a_long_one_in_part() {
+        let view = begun("wall");
+        let walls = |standing: &Fixtures| sight(&view.shot, standing)[1];
+        let size = walls(&view.standing).high - walls(&view.standing).low;
+        assert!(size.distance(Vec3::new(0.3, 3.2, 7.0)) < 1e-4, "{size}");
+        let mut long = Fixtures::clone(&view.standing);
+        long.solids[0].scale = Vec3::new(1.0, 1.0, 10.0);
+        assert!((walls(&long).high - walls(&long).low).z < 7.0);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use bevy_egui::input::EguiWantsInput;
 use super::act::Action;
 use super::files::{Ask, Files};
 use super::panels::Panels;
-use super::state::{Chosen, Course, Doomed, Kind, Past, Tool, ViewFrom};
+use super::state::{Chosen, Course, Doomed, Kind, Past, Snapping, Tool, ViewFrom};
 use crate::scenario::Order;
 
 /// Keys, for the help: what to press, what it does.
@@ -19,12 +19,17 @@ pub(super) const KEYS: &[(&str, &str)] = &[
     ("1  3  7", "look from the front, the side, above"),
     ("V  C", "choose and move; cut branches"),
     ("W  B  P  L  T", "set a wall, ball, pillar, lamp or tree: click on the ground"),
-    ("G  R  S", "move, turn or scale what is chosen"),
-    ("Ctrl+D  Delete", "copy, remove what is chosen"),
+    ("O", "the sun: choose it, or have one rise"),
+    ("G  R  S", "move, turn or scale the wall or lamp that is chosen"),
+    ("M", "set things down on the ground near it, or not; Alt or Ctrl while dragging: not now"),
+    ("Shift+click", "choose a whole plant"),
+    ("E", "sow the chosen plant again elsewhere, from its seed: what has grown cannot be carried"),
+    ("Ctrl+D  Delete", "copy, remove what is chosen; a copy of a plant grows from another seed"),
     ("Ctrl+Z  Ctrl+Shift+Z", "undo, redo"),
     ("Ctrl+S  Ctrl+Shift+S", "save, save elsewhere"),
     ("Ctrl+O", "open; or drop a file on the window"),
     ("H", "show or fold the panels"),
+    ("Ctrl +  Ctrl -  Ctrl 0", "larger or smaller words and panels"),
     ("?", "this help"),
     ("Drag, right drag, wheel", "turn, move and bring nearer the camera"),
 ];
@@ -35,6 +40,8 @@ pub(super) fn keys(
     course: Res<Course>,
     past: Res<Past>,
     files: Res<Files>,
+    chosen: Res<Chosen>,
+    snapping: Res<Snapping>,
     mut gizmo: ResMut<bevy::gizmos::transform_gizmo::TransformGizmoSettings>,
     mut panels: ResMut<Panels>,
     mut doomed: ResMut<Doomed>,
@@ -84,6 +91,12 @@ pub(super) fn keys(
             (KeyCode::KeyP, _) => Action::Take(Tool::Place(Kind::Pillar)),
             (KeyCode::KeyL, _) => Action::Take(Tool::Place(Kind::Lamp)),
             (KeyCode::KeyT, _) => Action::Take(Tool::Place(Kind::Plant(panels.species))),
+            (KeyCode::KeyO, _) => Action::Sun,
+            (KeyCode::KeyM, _) => Action::Snapping(!snapping.0),
+            (KeyCode::KeyE, _) => match *chosen {
+                Chosen::Plant(plant) => Action::Take(Tool::Resow(plant)),
+                _ => continue,
+            },
             (KeyCode::KeyG, _) => {
                 gizmo.mode = Mode::Translate;
                 continue;

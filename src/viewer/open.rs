@@ -19,7 +19,7 @@ use super::panels::{self, Panels, Room};
 use super::picture::{self, PictureFailure, PictureThen};
 use super::state::{Course, Shown, Toasts};
 use super::why::inspector::InspectorPlugin;
-use super::{ViewerLogic, keys, pointer, scene};
+use super::{InterfaceSize, ViewerLogic, keys, pointer, scene};
 use crate::assets::Library;
 use crate::environment::workers::Workers;
 use crate::files::ResolvedScenario;
@@ -133,6 +133,7 @@ pub fn watch(settings: WatchSettings) -> Result<(), WatchError> {
         let library = settings.library.clone();
         app.add_plugins(ViewerWindow { library, scenario, panels: settings.panels, hint, folder })
             .insert_resource(RenderErrorHandler(lost))
+            .insert_resource(if session { InterfaceSize::kept_in(&own) } else { default() })
             .insert_resource(gardener);
         if let Some(unkept) = unkept {
             app.world_mut().resource_mut::<Toasts>().warn(unkept);
@@ -192,6 +193,7 @@ impl Plugin for ViewerWindow {
             .insert_resource(Panels::new(self.panels, self.hint))
             .insert_resource(Files::new(self.folder.clone()))
             .init_resource::<Framing>()
+            .init_resource::<InterfaceSize>()
             .init_resource::<Room>()
             .add_systems(PreStartup, camera::spawn_camera)
             .add_systems(EguiPrimaryContextPass, panels::draw)
@@ -216,7 +218,16 @@ impl Plugin for ViewerWindow {
                     .chain()
                     .after(super::follow::follow),
             )
-            .add_systems(PostUpdate, camera::gate.before(PanOrbitCameraSystemSet));
+            .add_systems(
+                PostUpdate,
+                (
+                    camera::gate.before(PanOrbitCameraSystemSet),
+                    // After the gizmo has moved what it holds, and before anybody looks where that is.
+                    pointer::settle
+                        .in_set(TransformSystems::Propagate)
+                        .before(bevy::transform::systems::mark_dirty_trees),
+                ),
+            );
         app.world_mut().resource_mut::<Course>().scenario.clone_from(&self.scenario);
         app.world_mut().resource_mut::<Shown>().live = true;
     }

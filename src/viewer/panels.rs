@@ -2,6 +2,7 @@
 
 pub(super) mod bars;
 mod garden;
+mod things;
 
 use bevy::prelude::*;
 use bevy_egui::{EguiContexts, egui};
@@ -9,7 +10,8 @@ use bevy_egui::{EguiContexts, egui};
 use super::act::{Action, OwnLibrary};
 use super::files::{Ask, Files};
 use super::keys::KEYS;
-use super::state::{Chosen, Course, Doomed, Past, Shown, Toasts, Tool};
+use super::size::{InterfaceSize, buttons};
+use super::state::{Chosen, Course, Doomed, Past, Shown, Snapping, Toasts, Tool};
 use super::style;
 use super::why::inspector::Inspector;
 
@@ -54,6 +56,13 @@ impl Room {
         [self.left, self.right, self.top, self.bottom]
     }
 
+    /// As it is in the window's own pixels when the interface is larger by a factor.
+    fn times(self, factor: f32) -> Self {
+        let Self { left, right, top, bottom, pointer_taken } = self;
+        let [left, right, top, bottom] = [left, right, top, bottom].map(|margin| margin * factor);
+        Self { left, right, top, bottom, pointer_taken }
+    }
+
     /// Whether the panels have been drawn yet.
     pub fn is_known(&self) -> bool {
         self.top > 0.0
@@ -75,6 +84,7 @@ pub(super) struct Seen<'a> {
     pub doomed: usize,
     pub species: &'a [String],
     pub scenarios: &'a [String],
+    pub snapping: bool,
     pub frames_a_second: Option<f64>,
     /// What saves the garden.
     pub save: Action,
@@ -99,8 +109,12 @@ pub(super) fn draw(
     mut actions: MessageWriter<Action>,
     mut inspector: Inspector,
     mut files: ResMut<Files>,
+    (snapping, mut size): (Res<Snapping>, ResMut<InterfaceSize>),
 ) -> Result {
     let context = contexts.ctx_mut()?.clone();
+    if let Err(why) = size.bypass_change_detection().follow(&context) {
+        toasts.warn(why);
+    }
     if panels.dressed != Some(panels.dark) {
         style::dress(&context, panels.dark);
         panels.dressed = Some(panels.dark);
@@ -115,6 +129,7 @@ pub(super) fn draw(
         doomed: doomed.0.len(),
         species: &species,
         scenarios: &scenarios,
+        snapping: snapping.0,
         frames_a_second: inspector.frames_a_second(),
         save: files.save(),
     };
@@ -166,8 +181,11 @@ pub(super) fn draw(
             .rect
             .width();
     }
-    // A twin takes the right half of what is free.
-    left.right += inspector.make_room(&context, left.left, left.right, left.top, left.bottom);
+    // A twin takes the right half of what is free, and is drawn over all that floats there.
+    let twin = inspector.make_room(&context, left.left, left.right, left.top, left.bottom);
+    left.right += twin;
+    // Who has opened one needs no first hint, and there is little room for it.
+    panels.hint &= twin == 0.0;
     overlay(&context, &seen, &mut panels, &mut toasts, left);
     if let Some((ask, path)) = files.bypass_change_detection().show(&context) {
         let action = inspector.chosen(&mut files, ask, path, &mut toasts);
@@ -186,7 +204,7 @@ pub(super) fn draw(
             let floats = context.layer_id_at(at).is_some_and(|layer| layer.order != egui::Order::Background);
             floats || !free.contains(at)
         });
-    room.set_if_neq(left);
+    room.set_if_neq(left.times(context.zoom_factor()));
     Ok(())
 }
 
@@ -207,6 +225,7 @@ fn overlay(context: &egui::Context, seen: &Seen, panels: &mut Panels, toasts: &m
         Tool::Prune if seen.doomed > 0 => Some(format!("click cuts {}", bars::organs(seen.doomed))),
         Tool::Prune => Some("point at a branch to cut it".into()),
         Tool::Place(_) => Some("click on the ground to set it".into()),
+        Tool::Resow(_) => Some("click on the ground to sow it there".into()),
         Tool::Choose if seen.doomed > 0 => Some(format!("would shed {}", bars::organs(seen.doomed))),
         Tool::Choose => None,
     };
@@ -216,15 +235,18 @@ fn overlay(context: &egui::Context, seen: &Seen, panels: &mut Panels, toasts: &m
             ui.colored_label(style::ink(ui, color), &word);
         });
     }
+    // What floats leaves the panels uncovered, down to where no word would fit between them.
+    let free = (context.viewport_rect().width() - room.left - room.right - 56.0).max(150.0);
     // Messages stand above the hint.
     let mut above = room.bottom + 14.0;
     if panels.hint {
         let by = egui::vec2(0.5 * (room.left - room.right), -above);
         above += 8.0
             + note("hint", egui::Align2::CENTER_BOTTOM, by, &mut |ui| {
+                ui.set_max_width(free);
                 ui.label("Drag to look around; the wheel brings the tree nearer.");
                 ui.label("Press W or L and click on the ground: a wall, a lamp. The tree answers.");
-                ui.horizontal(|ui| {
+                ui.horizontal_wrapped(|ui| {
                     ui.label("Click a bud to ask it why.  ?  shows every key.");
                     if ui.button("Good").clicked() {
                         panels.hint = false;
@@ -236,7 +258,7 @@ fn overlay(context: &egui::Context, seen: &Seen, panels: &mut Panels, toasts: &m
     if !current.is_empty() {
         let by = egui::vec2(-room.right - 14.0, -above);
         note("toasts", egui::Align2::RIGHT_BOTTOM, by, &mut |ui| {
-            ui.set_max_width(380.0);
+            ui.set_max_width(free.min(380.0));
             for toast in current {
                 let color = if toast.bad { style::ink(ui, style::RUST) } else { ui.visuals().text_color() };
                 ui.colored_label(color, &toast.text);
@@ -258,6 +280,8 @@ fn overlay(context: &egui::Context, seen: &Seen, panels: &mut Panels, toasts: &m
                         ui.end_row();
                     }
                 });
+                ui.separator();
+                buttons(ui);
             });
         panels.help = open;
     }

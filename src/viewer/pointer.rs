@@ -5,12 +5,14 @@ use bevy::prelude::*;
 use bevy_panorbit_camera::PanOrbitCamera;
 
 use super::act::Action;
+use super::ground::settled;
 use super::panels::Room;
 use super::pick::{hit_ball, pick_organ, pick_solid};
 use super::scene::Thing;
-use super::state::{Chosen, Doomed, Shown, Tool};
-use crate::environment::{Lamp, Solid, StandingSolid};
-use crate::scenario::{Edit, borne_by, crushed_by};
+use super::state::{Chosen, Doomed, Shown, Snapping, Tool};
+use crate::environment::{Ground, Lamp, Solid, SolidShape, StandingSolid};
+use crate::render::SeenThrough;
+use crate::scenario::{borne_by, crushed_by};
 
 /// Pixels the pointer may move between press and release of a click.
 const CLICK: f32 = 5.0;
@@ -22,6 +24,7 @@ pub(super) fn point(
     room: Res<Room>,
     gizmo: Res<TransformGizmoState>,
     buttons: Res<ButtonInput<MouseButton>>,
+    keys: Res<ButtonInput<KeyCode>>,
     tool: Res<Tool>,
     shown: Res<Shown>,
     things: Query<(&Thing, &Transform, Option<&Solid>, Option<&Lamp>)>,
@@ -71,40 +74,78 @@ pub(super) fn point(
         }
         Tool::Choose if clicked => {
             let organ = pick_organ(&view.shot, ray);
+            let whole = keys.any_pressed([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
+            let plant = |birth| view.shot.index_of(birth).map(|i| view.shot.plant[i]);
+            let organ_or_plant = |birth| match plant(birth) {
+                Some(plant) if whole => Chosen::Plant(plant),
+                _ => Chosen::Organ(birth),
+            };
             let chosen = match (nearest_thing(), organ) {
                 (Some((name, near)), Some((birth, far))) => {
                     if near < far {
                         Chosen::Thing(name)
                     } else {
-                        Chosen::Organ(birth)
+                        organ_or_plant(birth)
                     }
                 }
                 (Some((name, _)), None) => Chosen::Thing(name),
-                (None, Some((birth, _))) => Chosen::Organ(birth),
+                (None, Some((birth, _))) => organ_or_plant(birth),
                 (None, None) => Chosen::Nothing,
             };
             actions.write(Action::Choose(chosen));
         }
         Tool::Place(kind) if clicked => {
-            let down = -ray.direction.y;
-            if down > 1e-3 {
-                let at = ray.get_point(ray.origin.y / down);
-                // Metres away from everything nobody would find it again.
-                if at.length() < 200.0 {
-                    actions.write(Action::Place(kind, at));
-                }
-            }
+            actions.write_batch(on_ground(ray).map(|at| Action::Place(kind, at)));
+        }
+        Tool::Resow(plant) if clicked => {
+            actions.write_batch(on_ground(ray).map(|at| Action::Resow(plant, at)));
         }
         _ => {}
     }
     *last = Some(cursor);
 }
 
+/// Where a ray meets the ground, as far as one would find again what is set there.
+fn on_ground(ray: Ray3d) -> Option<Vec3> {
+    let down = -ray.direction.y;
+    let at = (down > 1e-3).then(|| ray.get_point(ray.origin.y / down))?;
+    (at.length() < 200.0).then_some(at)
+}
+
+/// Whether things are set down on the ground now.
+fn snaps(snapping: Snapping, keys: &ButtonInput<KeyCode>) -> bool {
+    use KeyCode::{AltLeft, AltRight, ControlLeft, ControlRight};
+    snapping.0 && !keys.any_pressed([AltLeft, AltRight, ControlLeft, ControlRight])
+}
+
+/// Shows what the gizmo holds as it would stand if it were let go of now.
+pub(super) fn settle(
+    gizmo: Res<TransformGizmoState>,
+    snapping: Res<Snapping>,
+    keys: Res<ButtonInput<KeyCode>>,
+    ground: Res<Ground>,
+    mut things: Query<(&mut Transform, Option<&Solid>, Option<&Lamp>), With<Thing>>,
+) {
+    let (Some(entity), Some(ground)) = (gizmo.entity.filter(|_| gizmo.active), ground.0) else { return };
+    let Ok((mut place, solid, lamp)) = things.get_mut(entity) else { return };
+    let lamp = lamp.map(|lamp| SolidShape::Ball { radius: lamp.radius });
+    let Some(shape) = solid.map(|solid| solid.shape).or(lamp).filter(|_| snaps(*snapping, &keys)) else {
+        return;
+    };
+    let y = settled(shape, &place, ground);
+    if place.translation.y != y {
+        place.translation.y = y;
+    }
+}
+
 /// What the gizmo holds: shows what would be shed while it moves, and makes the edit when it is let go.
 pub(super) fn drag(
+    mut commands: Commands,
     gizmo: Res<TransformGizmoState>,
     shown: Res<Shown>,
     things: Query<(&Thing, &Transform, Option<&Solid>)>,
+    snapping: Res<Snapping>,
+    keys: Res<ButtonInput<KeyCode>>,
     mut doomed: ResMut<Doomed>,
     mut held: Local<Option<(Entity, Transform)>>,
     mut actions: MessageWriter<Action>,
@@ -125,26 +166,17 @@ pub(super) fn drag(
                 color: solid.color,
             };
             doomed.0 = crushed_by(&view.shot, &standing);
+            // What it would crush is inside it.
+            commands.entity(entity).try_insert(SeenThrough(!doomed.0.is_empty()));
         }
     } else if let Some((entity, place)) = held.take() {
         doomed.0.clear();
-        let Ok((thing, _, solid)) = things.get(entity) else { return };
+        let Ok((thing, ..)) = things.get(entity) else { return };
+        commands.entity(entity).try_insert(SeenThrough(false));
         if place == gizmo.start_transform {
             return;
         }
-        let mut to = place.translation;
-        if let Some(solid) = solid {
-            to.y = to.y.max(snapped(solid, &place));
-        }
-        let (y, x, z) = place.rotation.to_euler(EulerRot::YXZ);
-        let rotation_deg = Vec3::new(x, y, z).map(f32::to_degrees);
-        let scale = place.scale.clamp(Vec3::splat(0.01), Vec3::splat(100.0));
-        actions.write(Action::Edit(Edit::Pose { name: thing.0.clone(), to, rotation_deg, scale }));
+        let snap = snaps(*snapping, &keys);
+        actions.write(Action::Drop { name: thing.0.clone(), place, snap });
     }
-}
-
-/// Height at which a solid stands on the ground, if it is nearly there.
-fn snapped(solid: &Solid, place: &Transform) -> f32 {
-    let half = solid.shape.scaled(place.scale).half_size().y;
-    if (place.translation.y - half).abs() < 0.15 { half } else { f32::NEG_INFINITY }
 }

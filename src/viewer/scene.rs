@@ -7,8 +7,10 @@ use bevy::prelude::*;
 
 use super::state::{Chosen, Course, Doomed, Shown};
 use crate::environment::{Lamp, Solid, Sun};
+use crate::plant::{OrganKind, Snapshot};
 use crate::render::{Drawn, Ghost, Look, Marks, StepFraction};
-use crate::scenario::Fixtures;
+use crate::scenario::{Fixtures, View};
+use crate::shape::noise::smooth;
 
 /// The plants on screen.
 #[derive(Component)]
@@ -56,13 +58,10 @@ pub(super) fn show_plants(
             *passed = f32::INFINITY;
         }
     }
-    let beat = course.progress.pace.filter(|_| course.progress.playing).map_or(CHANGE, |pace| 1.0 / pace);
-    let (frame, beat) = (time.delta_secs(), beat.clamp(0.05, 4.0));
+    let frame = time.delta_secs();
     *passed += frame;
-    // So few frames are no movement: each shows the end of a step, not one in a hard winter.
-    let few = frame * 4.0 > beat;
-    fraction.set_if_neq(StepFraction(if few { 1.0 } else { (*passed / beat).min(1.0) }));
-    let wanted = Look { overlay: shown.overlay, ghost: None };
+    fraction.set_if_neq(between(*passed, frame, beat(&course)));
+    let wanted = Look { overlay: shown.overlay, ghost: None, fill: fill(view) };
     look.set_if_neq(wanted);
     match (&shown.ghost, old.single_mut()) {
         (Some(ghost), Ok((_, mut drawn))) => {
@@ -71,12 +70,36 @@ pub(super) fn show_plants(
             }
         }
         (Some(ghost), Err(_)) => {
-            let look = Look { overlay: None, ghost: Some(Ghost::default()) };
+            let look = Look { ghost: Some(Ghost::default()), ..default() };
             commands.spawn((OldCourse, Drawn::still(ghost.shot.clone()), look));
         }
         (None, Ok((entity, _))) => commands.entity(entity).despawn(),
         (None, Err(_)) => {}
     }
+}
+
+/// Seconds a step takes on screen.
+pub(super) fn beat(course: &Course) -> f32 {
+    let beat = course.progress.pace.filter(|_| course.progress.playing).map_or(CHANGE, |pace| 1.0 / pace);
+    beat.clamp(0.05, 4.0)
+}
+
+/// How far between two steps plants are drawn, some seconds after the later one came, in a frame of some seconds, when
+/// a step takes a beat.
+pub(super) fn between(passed: f32, frame: f32, beat: f32) -> StepFraction {
+    // So few frames are no movement: each shows the end of a step, not one in a hard winter.
+    let few = frame * 4.0 > beat;
+    StepFraction(if few { 1.0 } else { (passed / beat).min(1.0) })
+}
+
+/// How much light of its own a garden's plants are drawn with: small ones in dim light would be dark on dark.
+pub(super) fn fill(view: &View) -> f32 {
+    const SMALL: [f32; 2] = [2.0, 5.0];
+    const DIM: [f32; 2] = [0.3, 0.7];
+    let high = view.shot.pose.iter().map(|pose| pose.position.y).fold(0.0, f32::max);
+    let standing = &view.standing;
+    let light = standing.sky.strength + standing.sun.map_or(0.0, |(_, strength)| strength);
+    (1.0 - smooth(SMALL[0], SMALL[1], high)) * (1.0 - smooth(DIM[0], DIM[1], light))
 }
 
 /// Lights up what is chosen and what would go.
@@ -92,9 +115,16 @@ pub(super) fn mark(
     let Ok(mut marks) = marks.single_mut() else { return };
     let chosen = match *chosen {
         Chosen::Organ(birth) => vec![birth],
+        Chosen::Plant(plant) => shown.view.as_ref().map_or_else(Vec::new, |view| wood_of(&view.shot, plant)),
         _ => Vec::new(),
     };
     marks.set_if_neq(Marks { hovered: Vec::new(), chosen, doomed: doomed.0.clone() });
+}
+
+/// Birth numbers of a plant's wood: enough to tell it from others, and its leaves stay green.
+fn wood_of(shot: &Snapshot, plant: u32) -> Vec<u32> {
+    let own = (0..shot.len()).filter(|&i| shot.plant[i] == plant);
+    own.filter(|&i| shot.state[i].kind() == OrganKind::Internode).map(|i| shot.birth[i]).collect()
 }
 
 /// Has on screen what stands in the garden: things keep their entities as long as they stand.
@@ -161,5 +191,29 @@ pub(super) fn focus_gizmo(
         } else if !wanted && focused {
             commands.entity(entity).remove::<TransformGizmoFocus>();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::assets::Library;
+    use crate::environment::workers::Workers;
+    use crate::scenario::Timeline;
+
+    #[test]
+    fn small_plants_are_lifted_out_of_the_dusk_alone() {
+        let at = |scenario: &str, steps: u32| {
+            let library = Library::embedded();
+            let resolved = library.scenario(scenario).unwrap();
+            let mut timeline = Timeline::new(resolved, 1, library, Workers::new(1).unwrap()).unwrap();
+            for _ in 0..steps {
+                timeline.advance().unwrap();
+            }
+            fill(&timeline.view(steps).unwrap())
+        };
+        assert_eq!([at("dusk", 0), at("dusk", 2)], [1.0, 1.0]);
+        assert!(at("dusk", 14) < 0.5);
+        assert_eq!(at("wall", 2), 0.0, "by day nothing is dark");
     }
 }

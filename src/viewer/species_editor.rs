@@ -127,7 +127,9 @@ impl SpeciesEditor {
             });
         }
         let height = (ui.available_height() - 130.0).max(140.0);
-        let scroll = egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]);
+        // Wide rows are moved aside rather than widening the panel for good.
+        let aside = self.page == Page::Parameters;
+        let scroll = egui::ScrollArea::new([aside, true]).max_height(height).auto_shrink([false, true]);
         let set = scroll.show(ui, |ui| match self.page {
             Page::Parameters => rows(ui, draft, &self.filter, self.only_changed),
             Page::Steering => meter::show(ui, draft),
@@ -160,7 +162,7 @@ impl SpeciesEditor {
     fn apply(&mut self, ui: &mut egui::Ui, orders: &mut Vec<Order>) {
         let Some(draft) = &mut self.draft else { return };
         let changes = draft.changes().len();
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             ui.radio_value(&mut self.when, When::GoOn, "go on").on_hover_text(When::GoOn.help());
             ui.radio_value(&mut self.when, When::Regrow, "regrow").on_hover_text(When::Regrow.help());
             let text = match changes {
@@ -229,7 +231,8 @@ fn rows(
             let label = ui.label(if changed { name.strong() } else { name });
             label.on_hover_ui(|ui| help(ui, row));
             let mut new = value.clone();
-            ui.horizontal(|ui| {
+            // From the top: a list may be of several rows.
+            ui.horizontal_top(|ui| {
                 editor(ui, row, &mut new);
                 if !row.unit.is_empty() {
                     ui.label(RichText::new(row.unit).small().weak());
@@ -260,8 +263,11 @@ fn help(ui: &mut egui::Ui, row: &Parameter) {
     ui.label(RichText::new(format!("by default {}{unit}", row.default)).weak());
 }
 
+/// Numbers of a list side by side.
+const LIST_ROW: usize = 3;
+
 /// The widget for a value.
-fn editor(ui: &mut egui::Ui, row: &Parameter, value: &mut Value) {
+pub(super) fn editor(ui: &mut egui::Ui, row: &Parameter, value: &mut Value) {
     let (low, high) = match row.range {
         Range::Real { min, max } => (min, max),
         Range::Whole { min, max } => (f64::from(min), f64::from(max)),
@@ -295,8 +301,14 @@ fn editor(ui: &mut egui::Ui, row: &Parameter, value: &mut Value) {
             }
         }
         Value::List(xs) => {
-            xs.iter_mut().for_each(|x| {
-                number(ui, x);
+            ui.vertical(|ui| {
+                for row in xs.chunks_mut(LIST_ROW) {
+                    ui.horizontal(|ui| {
+                        row.iter_mut().for_each(|x| {
+                            number(ui, x);
+                        });
+                    });
+                }
             });
             if xs.len() < crate::limits::ORDERS
                 && ui.small_button("+").on_hover_text("A value for one more branch order").clicked()

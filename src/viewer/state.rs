@@ -61,6 +61,10 @@ pub enum Chosen {
     Organ(u32),
     /// A solid or lamp, by name.
     Thing(String),
+    /// A plant, by its number in the order of planting.
+    Plant(u32),
+    /// The sun.
+    Sun,
 }
 
 /// A thing that can be set into a garden.
@@ -88,6 +92,18 @@ pub enum Tool {
     Prune,
     /// Sets things.
     Place(Kind),
+    /// Sows a plant, by its number, again elsewhere.
+    Resow(u32),
+}
+
+/// Whether things are set down on the ground when they are let go of near it.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Snapping(pub bool);
+
+impl Default for Snapping {
+    fn default() -> Self {
+        Self(true)
+    }
 }
 
 /// Where the camera looks from.

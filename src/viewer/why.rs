@@ -7,6 +7,7 @@ pub mod inspector;
 pub mod ledger;
 pub mod legend;
 mod moments;
+pub mod other;
 pub mod split;
 pub mod twin;
 

@@ -53,6 +53,33 @@ impl FromWorld for Meadow {
     }
 }
 
+/// Grass about a point: its tufts stand thick there, and go with it. About the origin they always do.
+#[derive(Component, Debug, Clone, Copy, Default, Reflect)]
+#[reflect(Component)]
+#[require(Transform, Visibility)]
+pub struct Tufts;
+
+/// Gives every [`Tufts`] its grass.
+pub(super) fn show_tufts(
+    mut commands: Commands,
+    meadow: Res<Meadow>,
+    bare: Query<Entity, (With<Tufts>, Without<Mesh3d>)>,
+) {
+    for entity in &bare {
+        commands.entity(entity).insert(tufts(&meadow));
+    }
+}
+
+fn tufts(meadow: &Meadow) -> impl Bundle {
+    (
+        Mesh3d(meadow.grass.clone()),
+        MeshMaterial3d(meadow.blades.clone()),
+        NotShadowCaster,
+        TransmittedShadowReceiver,
+        VisibilityRange::abrupt(0.0, GRASS_DISTANCE),
+    )
+}
+
 /// Marks the ground on screen.
 #[derive(Component)]
 pub(super) struct DrawnGround;
@@ -78,13 +105,7 @@ pub(super) fn show_ground(
                 MeshMaterial3d(meadow.material.clone()),
                 Transform::from_xyz(0.0, height, 0.0),
                 NotShadowCaster,
-                children![(
-                    Mesh3d(meadow.grass.clone()),
-                    MeshMaterial3d(meadow.blades.clone()),
-                    NotShadowCaster,
-                    TransmittedShadowReceiver,
-                    VisibilityRange::abrupt(0.0, GRASS_DISTANCE),
-                )],
+                children![tufts(&meadow)],
             ));
         }
         (None, Ok((entity, _))) => commands.entity(entity).despawn(),

@@ -71,6 +71,22 @@ fn stone(x: f32, y: f32) -> (f32, f32) {
     (height, (shade * (0.86 + 0.14 * face)).clamp(0.0, 1.0))
 }
 
+/// Whether a [`Solid`] is drawn as if of glass, so that what is inside it is seen.
+#[derive(Component, Debug, Clone, Copy, PartialEq, Eq, Default, Reflect)]
+#[reflect(Component)]
+pub struct SeenThrough(pub bool);
+
+/// How much of a solid's own colour is left when it is seen through.
+const GLASS: f32 = 0.3;
+
+/// Colour and blending of a solid.
+fn paint(solid: &Solid, through: bool) -> (Color, AlphaMode) {
+    let [r, g, b] = solid.color;
+    // The tile's own shade is about 0.78.
+    let base = Color::linear_rgb(r / 0.78, g / 0.78, b / 0.78);
+    if through { (base.with_alpha(GLASS), AlphaMode::Blend) } else { (base, AlphaMode::Opaque) }
+}
+
 /// Marks a solid that has its mesh.
 #[derive(Component)]
 pub(super) struct Built {
@@ -86,21 +102,20 @@ pub(super) fn show_solids(
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut solids: Query<
-        (Entity, &Solid, &Transform, Option<&mut Built>),
-        Or<(Changed<Solid>, Changed<Transform>, Without<Built>)>,
+        (Entity, &Solid, &Transform, Option<&SeenThrough>, Option<&mut Built>),
+        Or<(Changed<Solid>, Changed<Transform>, Changed<SeenThrough>, Without<Built>)>,
     >,
 ) {
-    for (entity, solid, transform, built) in &mut solids {
+    for (entity, solid, transform, through, built) in &mut solids {
         let shape = solid.shape.scaled(transform.scale);
-        let [r, g, b] = solid.color;
-        // The tile's own shade is about 0.78.
-        let base = Color::linear_rgb(r / 0.78, g / 0.78, b / 0.78);
+        let (base, alpha_mode) = paint(solid, through.is_some_and(|through| through.0));
         // The form undoes the scale of what it stands on: sizes are in the mesh, so that stones keep theirs.
         let undo = Transform::from_scale(transform.scale.map(|s| if s.abs() > 1e-6 { 1.0 / s } else { 1.0 }));
         match built {
             None => {
                 let material = materials.add(StandardMaterial {
                     base_color: base,
+                    alpha_mode,
                     base_color_texture: Some(masonry.color.clone()),
                     normal_map_texture: Some(masonry.relief.clone()),
                     perceptual_roughness: 0.94,
@@ -125,7 +140,7 @@ pub(super) fn show_solids(
                 if materials.get(&built.material).is_some_and(|m| m.base_color != base)
                     && let Some(mut material) = materials.get_mut(&built.material)
                 {
-                    material.base_color = base;
+                    (material.base_color, material.alpha_mode) = (base, alpha_mode);
                 }
             }
         }
@@ -187,6 +202,15 @@ mod tests {
             assert!((stone(0.0, v).0 - stone(1.0, v).0).abs() < 0.02, "{v}");
             assert!((stone(v, 0.0).0 - stone(v, 1.0).0).abs() < 0.02, "{v}");
         }
+    }
+
+    #[test]
+    fn a_solid_is_of_stone_until_it_is_seen_through() {
+        let solid = Solid::block(Vec3::ONE);
+        let (stone, glass) = (paint(&solid, false), paint(&solid, true));
+        assert_eq!((stone.0.alpha(), stone.1), (1.0, AlphaMode::Opaque));
+        assert!(glass.0.alpha() < 0.5 && glass.1 == AlphaMode::Blend);
+        assert_eq!(glass.0.with_alpha(1.0), stone.0);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::{Panels, Seen};
 use crate::scenario::Order;
 use crate::viewer::act::Action;
 use crate::viewer::files::Ask;
-use crate::viewer::state::{Kind, Tool};
+use crate::viewer::state::{Chosen, Kind, Tool};
 use crate::viewer::style;
 
 /// The bar above.
@@ -30,6 +30,10 @@ pub(super) fn top(ui: &mut Ui, seen: &Seen, panels: &mut Panels, act: &mut impl 
             "Sow a tree of the species chosen at the left (T)",
             Tool::Place(Kind::Plant(panels.species)),
         );
+        let sun = ui.selectable_label(*seen.chosen == Chosen::Sun, "Sun");
+        if sun.on_hover_text("Choose the sun, or have one rise (O)").clicked() {
+            act(Action::Sun);
+        }
         ui.separator();
         let progress = &seen.course.progress;
         let mut button = |ui: &mut Ui, on: bool, name: &str, tip: &str, action: Action| {

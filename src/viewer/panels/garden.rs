@@ -1,15 +1,14 @@
 //! The panel at the left: what grows and stands here, and how the tree does.
 
-use bevy::prelude::Vec3;
 use bevy_egui::egui::{self, Ui};
 use egui_plot::{Line, Plot, PlotPoints, VLine};
 
+use super::things::standing;
 use super::{Panels, Seen};
-use crate::environment::{Lamp, Sky};
 use crate::plant::measure::StepRecord;
-use crate::scenario::{Edit, Fixture, Order};
+use crate::scenario::Order;
 use crate::viewer::act::Action;
-use crate::viewer::state::{Chosen, Toasts};
+use crate::viewer::state::Toasts;
 use crate::viewer::style;
 
 pub(super) fn garden(
@@ -59,63 +58,6 @@ pub(super) fn garden(
     standing(ui, seen, act);
     ui.add_space(8.0);
     numbers(ui, &seen.course.records, seen.past.0);
-}
-
-/// What stands here; what is chosen can be changed.
-fn standing(ui: &mut Ui, seen: &Seen, act: &mut impl FnMut(Action)) {
-    let Some(view) = &seen.shown.view else { return };
-    let standing = &view.standing;
-    let chosen = match seen.chosen {
-        Chosen::Thing(name) => Some(name.as_str()),
-        _ => None,
-    };
-    let mut sky = standing.sky.strength;
-    let field = egui::Slider::new(&mut sky, 0.0..=1.0).text("sky");
-    ui.spacing_mut().slider_width = 120.0;
-    if ui.add(field).on_hover_text("How bright the sky is; 1 is a bright day").changed() {
-        act(Action::Drag(Edit::Sky(Sky { strength: sky, ..standing.sky })));
-    }
-    ui.horizontal_wrapped(|ui| {
-        let names = standing.solids.iter().map(|s| &s.name).chain(standing.lamps.iter().map(|l| &l.name));
-        for name in names {
-            let is = chosen == Some(name.as_str());
-            if ui.selectable_label(is, name).clicked() {
-                act(Action::Choose(if is { Chosen::Nothing } else { Chosen::Thing(name.clone()) }));
-            }
-        }
-    });
-    let Some(name) = chosen else { return };
-    if let Some(lamp) = standing.lamps.iter().find(|lamp| lamp.name == name) {
-        shine(ui, lamp, act);
-    }
-    let place = standing.solids.iter().find(|s| s.name == name).map(|s| s.position);
-    let place = place.or(standing.lamps.iter().find(|l| l.name == name).map(|l| l.position));
-    if let Some(Vec3 { x, y, z }) = place {
-        ui.weak(format!("at {x:.2}, {y:.2}, {z:.2} m   G moves, R turns, S scales"));
-    }
-    ui.horizontal(|ui| {
-        if ui.button("Copy").on_hover_text("Set a copy beside it (Ctrl+D)").clicked() {
-            act(Action::Duplicate);
-        }
-        if ui.button("Remove").on_hover_text("Take it away (Delete)").clicked() {
-            act(Action::Delete);
-        }
-    });
-}
-
-fn shine(ui: &mut Ui, lamp: &Fixture<Lamp>, act: &mut impl FnMut(Action)) {
-    let (mut strength, mut radius, mut on) = (lamp.thing.strength, lamp.thing.radius, lamp.thing.on);
-    let name = lamp.name.clone();
-    if ui.checkbox(&mut on, "burns").changed() {
-        act(Action::Edit(Edit::Switch { name: name.clone(), on }));
-    }
-    let field = egui::Slider::new(&mut strength, 1.0..=5000.0).logarithmic(true).text("strength");
-    let mut changed = ui.add(field).on_hover_text("As a multiple of a full sky's radiance").changed();
-    let field = egui::Slider::new(&mut radius, 0.02..=1.0).logarithmic(true).text("radius, m");
-    changed |= ui.add(field).changed();
-    if changed {
-        act(Action::Drag(Edit::Shine { name, strength, radius }));
-    }
 }
 
 /// The course in numbers, and the step looked at if it is a past one.

@@ -209,7 +209,18 @@ impl Inspector<'_> {
         let scale = context.pixels_per_point();
         let pixels = |x: f32| (x.max(0.0) * scale) as u32;
         self.split.free = Some([pixels(left), pixels(top), pixels(width), pixels(height)]);
-        if self.split.is_open() { 0.5 * width.max(0.0) } else { 0.0 }
+        let half = 0.5 * width.max(0.0);
+        if let Some(title) = self.split.title() {
+            // Beside the seam: the twin's half lies over all that is drawn there.
+            let at = egui::pos2(left + half - 6.0, top + 46.0);
+            let area = egui::Area::new("twin".into()).fixed_pos(at).pivot(egui::Align2::RIGHT_TOP);
+            area.interactable(false).show(context, |ui| {
+                egui::Frame::window(&context.global_style())
+                    .inner_margin(egui::Margin::symmetric(10, 5))
+                    .show(ui, |ui| ui.weak(format!("{title} ▶")));
+            });
+        }
+        if self.split.is_open() { half } else { 0.0 }
     }
 
     fn contents(&mut self, ui: &mut egui::Ui, tab: Tab, shown: &Shown, course: &Course) {
@@ -228,7 +239,7 @@ impl Inspector<'_> {
                     ui.add_space(4.0);
                     ui.label(RichText::new("What the model reckons with").strong());
                     legend::switches(ui, view.standing.mechanisms, &mut answers.regrow, &mut orders);
-                    self.split.choose(ui, view.standing.mechanisms, &mut orders);
+                    self.split.choose(ui, view, &mut orders);
                     ui.separator();
                     answers.why.show(ui);
                 });

@@ -2,12 +2,14 @@
 
 use std::io;
 
+use super::other::Other;
 use crate::assets::Library;
 use crate::environment::workers::Workers;
 use crate::files::SharedTree;
 use crate::scenario::{
-    Edit, Gardener, GardenerSettings, Gone, News, Order, Progress, TimedEdit, Timeline, TimelineError, View,
+    Gardener, GardenerSettings, Gone, News, Order, Progress, Timeline, TimelineError, View,
 };
+use crate::species::parameter::ParameterError;
 
 /// Why there is no second garden.
 #[derive(Debug, thiserror::Error)]
@@ -15,6 +17,9 @@ pub enum TwinError {
     /// It cannot begin.
     #[error(transparent)]
     Timeline(#[from] TimelineError),
+    /// A value the species does not allow.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
     /// The system gives no thread.
     #[error("no thread to grow on: {0}")]
     Thread(#[from] io::Error),
@@ -33,13 +38,12 @@ pub struct Twin {
 }
 
 impl Twin {
-    /// Begins it: all as in a copy of the first, but with an edit made before anything grows.
+    /// Begins it: all as in a copy of the first but one thing, that from the seed on.
     ///
     /// # Errors
     /// [`TwinError`].
-    pub fn begin(mut copy: SharedTree, other: Edit, library: Library) -> Result<Self, TwinError> {
-        // First of all edits, so that what was edited later by hand still counts in both.
-        copy.edits.insert(0, TimedEdit { step: 0, edit: other });
+    pub fn begin(mut copy: SharedTree, other: &Other, library: Library) -> Result<Self, TwinError> {
+        other.apply(&mut copy)?;
         let ordered = copy.steps;
         let timeline = Timeline::from_shared(copy, library, Workers::default())?;
         let gardener = Gardener::start(timeline, GardenerSettings::default())?;
@@ -89,6 +93,7 @@ mod tests {
 
     use super::*;
     use crate::growth::Mechanisms;
+    use crate::viewer::why::other::Part;
 
     #[test]
     fn a_twin_keeps_step_under_another_setting() {
@@ -100,7 +105,8 @@ mod tests {
             first.advance().unwrap();
         }
         let dark = Mechanisms { light: false, ..Mechanisms::default() };
-        let mut twin = Twin::begin(first.shared(), Edit::Mechanisms(dark), library.clone()).unwrap();
+        let other = Other::Part(Part::Light, false);
+        let mut twin = Twin::begin(first.shared(), &other, library.clone()).unwrap();
         let mut wait = |step: u32, present: u32| {
             let began = Instant::now();
             while twin.view().is_none_or(|view| view.step != step || twin.progress.present < present) {
