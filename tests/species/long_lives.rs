@@ -20,9 +20,10 @@ fn poor_ground(name: &str) -> Option<[f32; 2]> {
     match name {
         "norway_spruce" => Some([0.2, 0.4]),
         "scots_pine" => Some([0.35, 0.5]),
-        "silver_birch" => Some([0.4, 0.6]),
+        "silver_birch" => Some([0.4, 0.7]),
+        "japanese_maple" => Some([0.2, 0.35]),
         "candelabra" => Some([0.55, 1.0]),
-        "weeping_willow" => Some([0.3, 0.55]),
+        "weeping_willow" => Some([0.27, 0.45]),
         _ => None,
     }
 }
