@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::settings::{RenderCreation, WgpuSettings};
+use burgeon::assets::Library;
 use burgeon::growth::StepCount;
 use burgeon::growth::parts::{PartOfStep, grow_in_parts};
 use burgeon::plant::OrganState;
@@ -18,6 +19,7 @@ use burgeon::prelude::*;
 use burgeon::render::{
     DrawSettings, Drawn, GrowthPace, LiveGrowthPlugin, PlantRenderPlugin, Stage, StepFraction,
 };
+use burgeon::scenario::{Edit, Gardener, GardenerSettings, News, Order, PlacedLamp, Timeline};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 
 /// An app that draws nothing but plants, and those into the void.
@@ -126,8 +128,111 @@ fn growing(oaks: u64) -> (f64, f64, String) {
     (spent.iter().sum::<f64>() / spent.len() as f64, worst, told)
 }
 
+/// A garden at dusk that plays on until it has so many buds, or a few more.
+fn dusk(buds: usize) -> Timeline {
+    let library = Library::embedded();
+    let resolved = library.scenario("dusk").expect("it is shipped");
+    let workers = Workers::new(2).expect("threads can be had");
+    let mut timeline = Timeline::new(resolved, 1, library, workers).expect("it is sound");
+    while count(&timeline.now(), |state| {
+        matches!(state, OrganState::ApicalBud(..) | OrganState::LateralBud(..))
+    }) < buds
+    {
+        timeline.advance().expect("it is far from its limits");
+    }
+    timeline
+}
+
+/// The largest angle by which a growing tip that two courses share heads elsewhere in one of them, degrees.
+fn turn(shot: &Snapshot, course: &Snapshot) -> f32 {
+    let tips = (0..shot.len()).filter(|&i| matches!(shot.state[i], OrganState::ApicalBud(..)));
+    let angles = tips.filter_map(|i| {
+        let there =
+            course.index_of(shot.birth[i]).filter(|&there| course.lineage[there] == shot.lineage[i])?;
+        Some(shot.pose[i].heading().angle_between(course.pose[there].heading()).to_degrees())
+    });
+    angles.fold(0.0, f32::max)
+}
+
+/// Drops a lamp beside a garden that plays, as the window does, sixty frames a second, and waits until a step is on
+/// screen in which a tip heads elsewhere than without the lamp; the time that took, and the step.
+fn answers(timeline: Timeline, course: &[Arc<Snapshot>]) -> (Duration, u32) {
+    const FRAME: Duration = Duration::from_micros(16_667);
+    let mut app = app(DrawSettings::default());
+    let drawn = Drawn::still(timeline.now());
+    let garden = app.world_mut().spawn(drawn.clone()).id();
+    land(&mut app, garden, drawn);
+    let gardener = Gardener::start(timeline, GardenerSettings { pace: Some(1.0), ..default() });
+    let gardener = gardener.expect("a thread can be had");
+    let lamp = PlacedLamp {
+        name: "dropped".into(),
+        at: Vec3::new(-1.5, 2.0, 1.0),
+        strength: 300.0,
+        radius: 0.2,
+        ..default()
+    };
+    let began = Instant::now();
+    let edit = Order::Edit { step: None, edit: Edit::PlaceLamp(lamp), drag: false };
+    for order in [edit, Order::Play] {
+        gardener.order(order).expect("it works");
+    }
+    loop {
+        let frame = Instant::now();
+        while let Some(news) = gardener.news() {
+            if let News::Grown(view, _) = news {
+                app.world_mut().get_mut::<Drawn>(garden).expect("it was spawned").step_to(view.shot);
+            }
+        }
+        app.update();
+        let has_landed = app.world().get::<Stage>(garden).is_some_and(Stage::is_settled);
+        let now = app.world().get::<Drawn>(garden).expect("it was spawned").now.clone();
+        let same = course.iter().find(|without| without.step == now.step);
+        if has_landed && same.is_some_and(|without| turn(&now, without) > 1.0) {
+            return (began.elapsed(), now.step);
+        }
+        assert!(began.elapsed() < Duration::from_secs(60), "no tip ever turned");
+        std::thread::sleep(FRAME.saturating_sub(frame.elapsed()));
+    }
+}
+
+fn count(shot: &Snapshot, is: impl Fn(&OrganState) -> bool) -> usize {
+    shot.state.iter().filter(|state| is(state)).count()
+}
+
+/// The row of [`answers`].
+fn answering() {
+    let timeline = dusk(1000);
+    let (save, now) = (timeline.save(), timeline.now());
+    let again = || {
+        let workers = Workers::new(2).expect("threads can be had");
+        Timeline::resume(save.clone(), Library::embedded(), workers).expect("it was saved just now")
+    };
+    let mut without = again();
+    let course: Vec<_> = (0..6)
+        .map(|_| {
+            without.advance().expect("it is far from its limits");
+            without.now()
+        })
+        .collect();
+    let mut took: Vec<_> = (0..5).map(|_| answers(again(), &course)).collect();
+    took.sort();
+    let [tips, buds] = [
+        count(&now, |state| matches!(state, OrganState::ApicalBud(..))),
+        count(&now, |state| matches!(state, OrganState::ApicalBud(..) | OrganState::LateralBud(..))),
+    ];
+    println!(
+        "from dropping a lamp to the first tip on screen that turns, two threads: {:.2} s, {:.2} at most; dusk at step \
+         {} with {buds} buds, {tips} of them growing tips, {} organs; it turns {} step(s) after",
+        took[took.len() / 2].0.as_secs_f64(),
+        took[took.len() - 1].0.as_secs_f64(),
+        now.step,
+        now.len(),
+        took[0].1 - now.step,
+    );
+}
+
 fn leaves(shot: &Snapshot) -> usize {
-    shot.state.iter().filter(|state| matches!(state, OrganState::Leaf(_))).count()
+    count(shot, |state| matches!(state, OrganState::Leaf(_)))
 }
 
 /// Has the app draw a step and waits until it is on screen; the longest frame of that.
@@ -169,6 +274,7 @@ fn frame(criterion: &mut Criterion) {
         "200 growing oaks add {:.2} ms of the main thread to a frame on average, {worst:.1} is the longest: {told}",
         mean - none
     );
+    answering();
     println!("a step in parts of 4 ms, then drawn; the worst frame of each, ms:");
     println!("leaves  organs  step    growing  snapshot  landing  landing, packed at once  between steps");
     let groves: Vec<_> = [1, 4, 9, 16].into_iter().map(grove).collect();

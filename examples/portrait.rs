@@ -15,7 +15,7 @@ use burgeon::export::picture::{Bounds, Camera as Framing};
 use burgeon::prelude::*;
 use burgeon::render::{
     DrawSettings, Drawn, OutdoorCamera, PlantRenderPlugin, SceneryPlugin, offscreen_app, offscreen_target,
-    take_picture,
+    shows_plants, take_picture,
 };
 use burgeon::scenario::{Fixtures, Garden};
 
@@ -53,6 +53,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         app.update();
     }
     let picture = take_picture(&mut app, &image).ok_or("no picture arrived")?;
+    if !shows_plants(&mut app, &image, &picture) {
+        return Err("no plant is to be seen from there".into());
+    }
     picture.try_into_dynamic()?.to_rgb8().save(text(2, "portrait.png"))?;
     Ok(())
 }

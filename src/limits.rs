@@ -89,6 +89,8 @@ pub const ORDERS: usize = 64;
 pub const FILE_BYTES: u64 = 4 << 20;
 /// Nested brackets of such a file.
 pub const NESTING: usize = 64;
+/// Sessions that ended in order whose saves are kept; of the others all are.
+pub const SESSIONS: usize = 10;
 /// Bytes of a save.
 pub const SAVE_BYTES: u64 = 4 << 30;
 /// Threads.

@@ -18,6 +18,7 @@
 mod bark;
 pub(crate) mod compiling;
 mod drawn;
+pub(crate) mod evidence;
 mod live;
 mod material;
 mod noise;
@@ -31,6 +32,7 @@ mod stage;
 use bevy::prelude::*;
 
 pub use drawn::{DrawSettings, Drawn, Ghost, Look, Marks, StepFraction, Wind};
+pub use evidence::shows_plants;
 pub use live::{GrowthPace, LiveGarden, LiveGrowthPlugin};
 pub use offscreen::{PictureAndExit, offscreen_app, offscreen_target, take_picture};
 pub use overlay::Overlay;

@@ -18,7 +18,7 @@ use crate::environment::{Sky, SolidShape};
 use crate::growth::Mechanisms;
 use crate::species::parameter::Color;
 
-pub use autosave::Autosave;
+pub use autosave::{Autosave, KeptSession, Sessions};
 pub use edit::{Edit, EditError, EditOutcome, TimedEdit, apply, crush};
 pub use fixtures::{Fixture, FixtureError, Fixtures};
 pub use garden::{Garden, GardenError, GardenSave, GardenSaveError};

@@ -24,6 +24,7 @@ mod pick;
 mod picture;
 mod pointer;
 mod scene;
+mod sessions;
 mod size;
 pub mod species_editor;
 mod state;
@@ -34,8 +35,9 @@ use bevy::prelude::*;
 
 pub use act::Action;
 pub use files::{Ask, Files};
-pub use open::{ViewerWindow, WatchError, WatchSettings, watch};
+pub use open::{Grown, ViewerWindow, WatchError, WatchSettings, watch};
 pub use pick::{pick_organ, pick_solid};
+pub use sessions::Recent;
 pub use size::InterfaceSize;
 pub use state::{Chosen, Course, Kind, Past, Shown, Snapping, Toasts, Tool, ViewFrom};
 
@@ -55,6 +57,7 @@ impl Plugin for ViewerLogic {
             .init_resource::<Toasts>()
             .init_resource::<act::Names>()
             .init_resource::<state::Doomed>()
-            .add_systems(Update, (act::act, follow::follow).chain());
+            .init_resource::<Recent>()
+            .add_systems(Update, (act::act, sessions::follow, follow::follow).chain());
     }
 }

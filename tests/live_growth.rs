@@ -1,6 +1,7 @@
 //! Plants that grow and are drawn in an app's own world, frame by frame, without a graphics card.
 #![cfg(feature = "render")]
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use bevy::ecs::entity::EntityHashMap;
@@ -8,12 +9,14 @@ use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::settings::{RenderCreation, WgpuSettings};
 use bevy::time::TimeUpdateStrategy;
+use burgeon::environment::SolidShape;
 use burgeon::environment::probe::Sensing;
 use burgeon::growth::parts::StepParts;
 use burgeon::prelude::*;
 use burgeon::render::{
     Drawn, GrowthPace, LiveGarden, LiveGrowthPlugin, PlantRenderPlugin, Stage, StepFraction,
 };
+use burgeon::scenario::{Edit, PlacedSolid, apply};
 
 const FRAME: Duration = Duration::from_millis(20);
 
@@ -251,6 +254,43 @@ fn a_mesh_on_screen_never_becomes_another() {
     }
     let Seen(seen) = app.world_mut().remove_resource().unwrap();
     assert!(seen.len() > meshes(app.world_mut()), "no mesh ever went");
+}
+
+#[test]
+fn of_a_plant_that_is_crushed_whole_no_mesh_is_left_though_growth_stands_still() {
+    let mut garden = App::new();
+    garden.add_plugins(MinimalPlugins);
+    self::garden(&mut garden);
+    grow(garden.world_mut(), 7);
+    let grown = Arc::new(Snapshot::take(garden.world()));
+    let press =
+        PlacedSolid { name: "press".into(), shape: SolidShape::Box { size: Vec3::splat(50.0) }, ..default() };
+    let outcome = apply(garden.world_mut(), &Edit::PlaceSolid(press)).unwrap();
+    let crushed = Arc::new(Snapshot::take(garden.world()));
+    assert_eq!((outcome.shed, crushed.len()), (grown.len(), 0));
+
+    for frame_seconds in [0.02, 0.4] {
+        let (mut app, _) = live_and_drawn();
+        app.world_mut().resource_mut::<GrowthPace>().paused = true;
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(frame_seconds)));
+        let shown = app.world_mut().spawn(Drawn::still(grown.clone())).id();
+        let settled = move |world: &mut World| world.get::<Stage>(shown).is_some_and(Stage::is_settled);
+        frames(&mut app, settled);
+        let of_it = move |world: &mut World| {
+            world.query_filtered::<&ChildOf, With<Mesh3d>>().iter(world).filter(|of| of.0 == shown).count()
+        };
+        assert!(of_it(app.world_mut()) > 0);
+        let falls = Drawn { before: grown.clone(), now: crushed.clone() };
+        app.world_mut().entity_mut(shown).insert((falls, StepFraction(0.5)));
+        frame(&mut app);
+        frames(&mut app, settled);
+        assert!(of_it(app.world_mut()) > 0, "it falls before it is gone");
+        app.world_mut().entity_mut(shown).insert(StepFraction(1.0));
+        frames(&mut app, move |world| of_it(world) == 0);
+        // Back again, as along a timeline.
+        app.world_mut().entity_mut(shown).insert(StepFraction(0.5));
+        frames(&mut app, move |world| of_it(world) > 0);
+    }
 }
 
 #[test]

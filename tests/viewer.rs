@@ -17,9 +17,10 @@ use bevy::window::{FileDragAndDrop, WindowResized, WindowResolution};
 use burgeon::assets::Library;
 use burgeon::environment::workers::Workers;
 use burgeon::render::OutdoorCamera;
-use burgeon::scenario::{Autosave, Edit, Gardener, GardenerSettings, Order, Timeline};
+use burgeon::scenario::{Edit, Gardener, GardenerSettings, Order, Sessions, Timeline};
 use burgeon::viewer::{
-    Action, Ask, Chosen, Course, Files, Kind, Past, Shown, Toasts, Tool, ViewFrom, ViewerLogic, ViewerWindow,
+    Action, Ask, Chosen, Course, Files, Kind, Past, Recent, Shown, Toasts, Tool, ViewFrom, ViewerLogic,
+    ViewerWindow,
 };
 
 /// A small garden.
@@ -305,13 +306,12 @@ fn what_cannot_be_written_is_told_and_nothing_is_lost() {
     std::fs::write(folder.path().join("file.txt"), "kept").unwrap();
     // No folder can lie in a file, whoever asks.
     let nowhere = folder.path().join("file.txt/x");
-    let (autosave, _) = Autosave::open(nowhere.join("autosave.burgeon"));
-    let autosave = Some((autosave, Duration::from_millis(1)));
+    let autosave = Some((Sessions::new(nowhere.join("sessions")).begin(), Duration::from_millis(1)));
     let mut app = session_of(GardenerSettings { autosave, ..default() });
     act(&mut app, Action::Tell(Order::Step));
     wait(&mut app, |world| world.resource::<Course>().progress.present == 1);
     let began = Instant::now();
-    while !toasts(&mut app).iter().any(|text| text.contains("autosave.burgeon")) {
+    while !toasts(&mut app).iter().any(|text| text.contains("sessions")) {
         app.update();
         assert!(began.elapsed() < Duration::from_secs(20), "{:?}", toasts(&mut app));
     }
@@ -328,7 +328,7 @@ fn what_cannot_be_written_is_told_and_nothing_is_lost() {
         *app.world_mut().resource_mut::<Toasts>() = Toasts::default();
         act(&mut app, Action::Tell(order.clone()));
         let began = Instant::now();
-        while !toasts(&mut app).iter().any(|text| text.contains("file.txt") && !text.contains("autosave")) {
+        while !toasts(&mut app).iter().any(|text| text.contains("file.txt") && !text.contains("sessions")) {
             app.update();
             assert!(began.elapsed() < Duration::from_secs(60), "{order:?} says nothing");
         }
@@ -340,6 +340,57 @@ fn what_cannot_be_written_is_told_and_nothing_is_lost() {
     let file = folder.path().join("garden.burgeon");
     act(&mut app, Action::Tell(Order::Save(file.clone())));
     wait(&mut app, |_| file.exists());
+}
+
+#[test]
+fn sessions_cut_short_are_offered_until_taken_up_or_dismissed() {
+    let folder = tempfile::tempdir().unwrap();
+    let sessions = Sessions::new(folder.path());
+    let mut left = Vec::new();
+    for steps in [2, 3] {
+        let library = Library::embedded();
+        let resolved = library.scenario("open").unwrap();
+        let mut timeline = Timeline::new(resolved, 1, library, Workers::new(1).unwrap()).unwrap();
+        for _ in 0..steps {
+            timeline.advance().unwrap();
+        }
+        let mut autosave = sessions.begin();
+        autosave.write(&timeline.save()).unwrap();
+        left.push((steps, autosave.file().unwrap().to_path_buf()));
+    }
+    let mut app = session();
+    app.insert_resource(Recent::new(sessions.clone()));
+    let offered = |app: &App| app.world().resource::<Recent>().offered().map(|kept| kept.file.clone());
+    let first = offered(&app).unwrap();
+    let steps = left.iter().find(|(_, file)| *file == first).unwrap().0;
+    act(&mut app, Action::Tell(Order::Load(first.clone())));
+    wait(&mut app, |world| world.resource::<Course>().scenario == "open");
+    assert_eq!(app.world().resource::<Course>().progress.present, steps);
+    let second = offered(&app).unwrap();
+    assert_ne!(first, second);
+    act(&mut app, Action::Dismiss(second.clone()));
+    assert_eq!(offered(&app), None);
+    assert_eq!(toasts(&mut app), Vec::<String>::new());
+    // Dismissed is not lost, and not offered the next time.
+    let next = Recent::new(sessions);
+    assert_eq!(next.list().len(), 2);
+    assert_eq!(next.offered().map(|kept| kept.file.clone()), Some(first), "nothing has come of it yet");
+}
+
+#[test]
+fn the_panels_fit_windows_of_any_width() {
+    let folder = tempfile::tempdir().unwrap();
+    let tops = [1280, 860, 720].map(|width| {
+        let mut app = window(width, 720, folder.path());
+        (0..5).for_each(|_| app.update());
+        let world = app.world_mut();
+        let mut contexts = world.query::<&mut bevy_egui::EguiContext>();
+        let context = contexts.iter_mut(world).next().unwrap().get_mut().clone();
+        let bar = bevy_egui::egui::containers::panel::PanelState::load(&context, "bar".into()).unwrap();
+        assert!(bar.outer_rect.width() <= width as f32, "{width}: {:?}", bar.outer_rect);
+        bar.outer_rect.height()
+    });
+    assert!(tops[2] > 1.5 * tops[0], "a narrow window has its bar in two rows: {tops:?}");
 }
 
 #[test]

@@ -37,6 +37,10 @@ pub struct Watch {
     #[arg(long, value_name = "STEP")]
     exit_after: Option<u32>,
 
+    /// Fail if no plant is to be seen in the picture, as the same scene without plants tells.
+    #[arg(long, requires = "screenshot")]
+    must_show_plants: bool,
+
     /// Replace a picture that is already there.
     #[arg(long)]
     force: bool,
@@ -57,6 +61,7 @@ impl Default for Watch {
             panels: Side::Open,
             screenshot: None,
             exit_after: None,
+            must_show_plants: false,
             force: false,
         }
     }
@@ -93,6 +98,7 @@ impl Watch {
             panels: self.panels == Side::Open,
             screenshot: self.screenshot,
             exit_after: self.exit_after,
+            must_show_plants: self.must_show_plants,
         })?;
         Ok(())
     }

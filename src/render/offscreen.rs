@@ -14,6 +14,7 @@ use bevy::time::TimeUpdateStrategy;
 use bevy::window::{ExitCondition, WindowPlugin};
 
 use super::compiling::Compiling;
+use super::evidence::{self, Evidence};
 
 /// Frames a picture may take to arrive.
 const PATIENCE: u32 = 200;
@@ -72,7 +73,7 @@ pub fn take_picture(app: &mut App, target: &Handle<Image>) -> Option<Image> {
 }
 
 /// Takes a picture of the primary window after some frames, once no shader is being compiled, then ends the app: how
-/// examples are tried.
+/// examples are tried. A picture that shows no plants is an error.
 pub struct PictureAndExit {
     /// Where the PNG goes.
     pub file: PathBuf,
@@ -108,7 +109,7 @@ impl Plugin for PictureAndExit {
         Compiling::watch(app);
         let (file, frames) = (self.file.clone(), self.frames);
         app.insert_resource(Countdown { file, frames, patience: PATIENCE, taken: false })
-            .add_systems(Update, count_down);
+            .add_systems(Update, (count_down, evidence::gather, end).chain());
     }
 }
 
@@ -123,9 +124,23 @@ fn count_down(mut commands: Commands, mut countdown: ResMut<Countdown>, compilin
     if countdown.frames == 0 && !countdown.taken {
         countdown.taken = true;
         commands.spawn(Screenshot::primary_window()).observe(save_to_disk(countdown.file.clone())).observe(
-            |_: On<ScreenshotCaptured>, mut exit: MessageWriter<AppExit>| {
-                exit.write(AppExit::Success);
+            |captured: On<ScreenshotCaptured>, mut commands: Commands| {
+                commands.insert_resource(Evidence::of(captured.image.clone()));
             },
         );
+    }
+}
+
+/// Ends the app once it is known what its picture shows.
+fn end(evidence: Option<Res<Evidence>>, mut exit: MessageWriter<AppExit>) {
+    match evidence.and_then(|evidence| evidence.shows()) {
+        Some(true) => {
+            exit.write(AppExit::Success);
+        }
+        Some(false) => {
+            error!("no plant is to be seen in the picture");
+            exit.write(AppExit::error());
+        }
+        None => {}
     }
 }

@@ -134,17 +134,18 @@ pub(super) fn begin_packing(
     mut commands: Commands,
     settings: Res<DrawSettings>,
     time: Res<Time<Real>>,
-    mut drawn: Query<(Entity, &Drawn, Option<&mut Stage>)>,
+    mut drawn: Query<(Entity, &Drawn, &StepFraction, Option<&mut Stage>)>,
 ) {
-    for (entity, drawn, stage) in &mut drawn {
+    for (entity, drawn, fraction, stage) in &mut drawn {
         let Some(mut stage) = stage else {
             commands.entity(entity).insert(Stage::default());
             continue;
         };
-        if stage.packing.is_some() || stage.shown.as_ref().is_some_and(|shown| is_same(shown, drawn)) {
+        let of = left_of(drawn, fraction);
+        if stage.packing.is_some() || stage.shown.as_ref().is_some_and(|shown| is_same(shown, &of)) {
             continue;
         }
-        let (of, there) = (drawn.clone(), stage.sheets.as_ref().map(|sheets| sheets.rooms));
+        let there = stage.sheets.as_ref().map(|sheets| sheets.rooms);
         let at_once = settings.pack_at_once || time.delta_secs() > SLOW;
         if at_once || of.before.len() + of.now.len() < AT_ONCE {
             let load = Load::of(&of, there);
@@ -157,6 +158,12 @@ pub(super) fn begin_packing(
             stage.packing = Some((of, task));
         }
     }
+}
+
+/// What is to be drawn of it. Where nothing lives and all has fallen, no mesh is left that something could be seen of:
+/// it may be long until the next step.
+fn left_of(drawn: &Drawn, fraction: &StepFraction) -> Drawn {
+    if drawn.now.is_empty() && fraction.0 >= 1.0 { Drawn::still(drawn.now.clone()) } else { drawn.clone() }
 }
 
 fn is_same(a: &Drawn, b: &Drawn) -> bool {
@@ -223,7 +230,7 @@ pub(super) fn write_clocks(
 ) {
     for (stage, drawn, fraction, look) in &stages {
         let Some(sheets) = &stage.sheets else { continue };
-        let current = stage.shown.as_ref().is_some_and(|shown| is_same(shown, drawn));
+        let current = stage.shown.as_ref().is_some_and(|shown| is_same(shown, &left_of(drawn, fraction)));
         let fraction = if current { fraction.0.clamp(0.0, 1.0) } else { 1.0 };
         let toward = wind.direction.normalize_or_zero();
         let ghost = look.ghost.unwrap_or_default();

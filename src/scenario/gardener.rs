@@ -1,8 +1,9 @@
 //! A gardener: tends a [`Timeline`] on a thread of its own, so that whoever asks never waits.
 //!
 //! Orders go in, news come out; neither ever blocks the caller. Orders are obeyed between two steps, so from an edit
-//! to the first snapshot that shows it is at most the rest of one step, and the step after an edit does not wait for
-//! its beat. What grows is the same as without a gardener: the clock decides when a step is grown, never how.
+//! to the first snapshot that shows it is at most the rest of one step, and the two steps after an edit, in which it is
+//! seen and answered, do not wait for their beat. What grows is the same as without a gardener: the clock decides when a
+//! step is grown, never how.
 //!
 //! ```
 //! # use std::time::Duration;
@@ -292,13 +293,17 @@ pub struct Gardener {
 
 /// Tells when a gardener has ended, its last save written, even if whoever held it has dropped it.
 #[derive(Debug)]
-pub struct Ending(Receiver<()>);
+pub struct Ending(Receiver<Result<Option<PathBuf>, SaveError>>);
 
 impl Ending {
-    /// Waits until the gardener has ended. It does so when told to, or when it is dropped.
-    pub fn wait(self) {
-        // Nothing is ever sent: the channel closes with the gardener's thread.
-        while self.0.recv().is_ok() {}
+    /// Waits until the gardener has ended. It does so when told to, or when it is dropped. Gives the file that what has
+    /// grown last is in; `None` if there was nothing to save, or nowhere.
+    ///
+    /// # Errors
+    /// If what has grown last could not be saved.
+    pub fn wait(self) -> Result<Option<PathBuf>, SaveError> {
+        // A gardener that panicked says nothing; its panic has been told.
+        self.0.recv().unwrap_or(Ok(None))
     }
 }
 
@@ -310,10 +315,10 @@ impl Gardener {
     pub fn start(timeline: Timeline, settings: GardenerSettings) -> io::Result<Self> {
         let (orders, inbox) = mpsc::channel();
         let (outbox, news) = mpsc::channel();
-        let (open, ending) = mpsc::channel();
+        let (end, ending) = mpsc::channel();
         let thread = thread::Builder::new().name("burgeon gardener".into()).spawn(move || {
-            let _open: Sender<()> = open;
-            work::Work::new(timeline, settings, inbox, outbox).run();
+            // Whoever does not wait for it will not miss it.
+            let _ = end.send(work::Work::new(timeline, settings, inbox, outbox).run());
         })?;
         let ending = Mutex::new(Some(Ending(ending)));
         Ok(Self { orders, news: Mutex::new(news), thread: Some(thread), ending })

@@ -69,6 +69,8 @@ pub enum Action {
     Picture(PathBuf),
     /// Ask for a file, and do with it what it is asked for.
     Ask(Ask),
+    /// No longer offer a session that was cut short, by its save.
+    Dismiss(PathBuf),
 }
 
 /// What is said when the gardener takes no more orders.
@@ -281,8 +283,10 @@ pub(super) fn act(
                 shown.overlay = overlay;
                 true
             }
-            // The camera's, the window's and the dialog's.
-            Action::Frame | Action::From(_) | Action::Picture(_) | Action::Ask(_) => true,
+            // The camera's, the window's, the dialog's and the sessions'.
+            Action::Frame | Action::From(_) | Action::Picture(_) | Action::Ask(_) | Action::Dismiss(_) => {
+                true
+            }
         };
         if !sent {
             toasts.warn(GONE);

@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_egui::egui::{self, Color32, RichText};
 use egui_plot::{Line, Plot, PlotPoints, VLine};
 
+use super::panels::bars::frame_rate;
 use super::style;
 use crate::plant::measure::StepRecord;
 use crate::scenario::{News, Order};
@@ -119,16 +120,14 @@ impl Numbers {
 
     /// The panel; `step` is the one shown. Returns the step clicked at, to go there.
     pub fn show(&mut self, ui: &mut egui::Ui, step: u32, frames_a_second: Option<f64>) -> Option<u32> {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             for (topic, name) in Topic::ALL {
                 ui.selectable_value(&mut self.topic, topic, name);
             }
-            if let Some(fps) = frames_a_second {
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    ui.label(RichText::new(format!("{fps:.0} frames a second")).small().weak());
-                });
-            }
         });
+        if let Some(rate) = frames_a_second {
+            ui.label(RichText::new(format!("{} frames a second", frame_rate(rate))).small().weak());
+        }
         let now = step.checked_sub(1).and_then(|i| self.records.get(i as usize));
         ui.horizontal_wrapped(|ui| {
             for (name, unit, color, value) in self.topic.series() {

@@ -8,6 +8,8 @@ use bevy::app::AppExit;
 use bevy::gizmos::transform_gizmo::TransformGizmoPlugin;
 use bevy::prelude::*;
 use bevy::render::error_handler::{RenderErrorHandler, RenderErrorPolicy};
+use bevy::render::settings::WgpuSettings;
+use bevy::tasks::block_on;
 use bevy::window::{ExitCondition, PresentMode, WindowResolution};
 use bevy_egui::{EguiPlugin, EguiPrimaryContextPass};
 use bevy_panorbit_camera::{PanOrbitCameraPlugin, PanOrbitCameraSystemSet};
@@ -17,16 +19,18 @@ use super::camera::{self, Framing};
 use super::files::{self, Files};
 use super::panels::{self, Panels, Room};
 use super::picture::{self, PictureFailure, PictureThen};
+use super::sessions::Recent;
 use super::state::{Course, Shown, Toasts};
 use super::why::inspector::InspectorPlugin;
 use super::{InterfaceSize, ViewerLogic, keys, pointer, scene};
 use crate::assets::Library;
 use crate::environment::workers::Workers;
-use crate::files::ResolvedScenario;
+use crate::files::{ResolvedScenario, SaveError};
 use crate::limits::GrowthLimits;
 use crate::render::compiling::Compiling;
+use crate::render::evidence;
 use crate::render::{PlantRenderPlugin, SceneryPlugin};
-use crate::scenario::{Autosave, Gardener, GardenerSettings, Timeline, TimelineError};
+use crate::scenario::{Ending, Gardener, GardenerSettings, Sessions, Timeline, TimelineError};
 
 /// What the window opens on.
 #[derive(Debug)]
@@ -51,9 +55,11 @@ pub struct WatchSettings {
     pub screenshot: Option<PathBuf>,
     /// The step growth stops at, and after which the window closes.
     pub exit_after: Option<u32>,
+    /// Whether a picture that shows no plants is an error.
+    pub must_show_plants: bool,
 }
 
-/// Why there is no window.
+/// Why there is no window, or what went wrong as it closed.
 #[derive(Debug, thiserror::Error)]
 pub enum WatchError {
     /// Nowhere to open one.
@@ -65,10 +71,13 @@ pub enum WatchError {
     )]
     NoAdapter,
     /// The graphics device was lost.
-    #[error("the graphics device was lost; what has grown is in {}", .0.display())]
-    Lost(PathBuf),
-    /// The picture asked for could not be written.
-    #[error("the picture could not be written: {0}")]
+    #[error("the graphics device was lost{0}")]
+    Lost(Grown),
+    /// What has grown last could not be saved.
+    #[error("what has grown could not be saved: {0}")]
+    Unsaved(SaveError),
+    /// The picture asked for could not be written, or does not show what it was to show.
+    #[error("{0}")]
     Picture(String),
     /// The scenario cannot begin.
     #[error(transparent)]
@@ -76,6 +85,27 @@ pub enum WatchError {
     /// The system gives no thread.
     #[error("no thread to grow on: {0}")]
     Thread(#[from] std::io::Error),
+}
+
+/// What became of the garden when its window was lost.
+#[derive(Debug)]
+pub enum Grown {
+    /// It is in this file.
+    Saved(PathBuf),
+    /// There was nothing to save, or nobody's session.
+    Nothing,
+    /// It could not be saved.
+    Unsaved(SaveError),
+}
+
+impl core::fmt::Display for Grown {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Saved(file) => write!(f, "; what has grown is in {}", file.display()),
+            Self::Nothing => Ok(()),
+            Self::Unsaved(why) => write!(f, "; what has grown could not be saved: {why}"),
+        }
+    }
 }
 
 /// Exit code of the app after its device was lost.
@@ -86,33 +116,36 @@ const AUTOSAVE: Duration = Duration::from_secs(20);
 /// Opens the window and returns when it is closed. What has grown is saved then, and now and then before.
 ///
 /// # Errors
-/// [`WatchError`]; no window was open, or its device was lost.
+/// [`WatchError`]; no window was open, its device was lost, or what has grown could not be saved.
 pub fn watch(settings: WatchSettings) -> Result<(), WatchError> {
     if !has_display() {
         return Err(WatchError::NoDisplay);
     }
+    if !has_adapter() {
+        return Err(WatchError::NoAdapter);
+    }
     let own = state_folder();
-    let file = own.join("autosave.burgeon");
     let scenario = settings.resolved.scenario.name.clone();
     let mut timeline =
         Timeline::new(settings.resolved, settings.seed, settings.library.clone(), settings.workers)?;
     timeline.set_limits(settings.limits);
     // A window that closes by itself is nobody's session.
     let session = settings.exit_after.is_none();
-    let (autosave, unkept) = match session.then(|| std::fs::create_dir_all(&own)) {
-        None => (None, None),
-        Some(Ok(())) => (Some((Autosave::open(&file).0, AUTOSAVE)), None),
-        Some(Err(why)) => (None, Some(format!("nothing is saved by itself: {}: {why}", own.display()))),
-    };
+    let sessions = session.then(|| Sessions::new(own.join("sessions")));
+    let unkept = sessions.as_ref().and_then(|sessions| {
+        let folder = sessions.folder();
+        let why = std::fs::create_dir_all(folder).err()?;
+        Some(format!("nothing can be saved by itself: {}: {why}", folder.display()))
+    });
     let begin = GardenerSettings {
         playing: settings.exit_after != Some(0),
         pace: settings.pace,
         until: settings.exit_after,
-        autosave,
+        autosave: sessions.as_ref().map(|sessions| (sessions.begin(), AUTOSAVE)),
     };
     let gardener = Gardener::start(timeline, begin)?;
     let ending = gardener.ending();
-    let unsaved: PictureFailure = default();
+    let failure: PictureFailure = default();
     let hint = session && first_time(&own);
     let folder = std::env::current_dir().unwrap_or_default();
 
@@ -135,26 +168,32 @@ pub fn watch(settings: WatchSettings) -> Result<(), WatchError> {
             .insert_resource(RenderErrorHandler(lost))
             .insert_resource(if session { InterfaceSize::kept_in(&own) } else { default() })
             .insert_resource(gardener);
+        if let Some(sessions) = sessions {
+            app.insert_resource(Recent::new(sessions));
+        }
         if let Some(unkept) = unkept {
             app.world_mut().resource_mut::<Toasts>().warn(unkept);
         }
         if let Some(step) = settings.exit_after {
             Compiling::watch(&mut app);
-            app.insert_resource(PictureThen { file: settings.screenshot.clone(), step })
-                .insert_resource(unsaved.clone());
+            let must_show_plants = settings.must_show_plants;
+            app.insert_resource(PictureThen { file: settings.screenshot.clone(), step, must_show_plants })
+                .insert_resource(failure.clone());
         }
         app.run()
     }));
     // The app has taken the gardener along; its last save must not be cut short.
-    if let Some(ending) = ending {
-        ending.wait();
-    }
-    if let Some(why) = unsaved.take() {
-        return Err(WatchError::Picture(why));
-    }
+    let saved = ending.map_or(Ok(None), Ending::wait);
     match opened {
-        Ok(AppExit::Error(code)) if code.get() == LOST => Err(WatchError::Lost(file)),
-        Ok(_) => Ok(()),
+        Ok(AppExit::Error(code)) if code.get() == LOST => Err(WatchError::Lost(match saved {
+            Ok(Some(file)) => Grown::Saved(file),
+            Ok(None) => Grown::Nothing,
+            Err(why) => Grown::Unsaved(why),
+        })),
+        Ok(_) => {
+            saved.map_err(WatchError::Unsaved)?;
+            failure.take().map_or(Ok(()), |why| Err(WatchError::Picture(why)))
+        }
         Err(panic) => {
             let why = panic.downcast_ref::<String>().map(String::as_str);
             let why = why.or(panic.downcast_ref::<&str>().copied()).unwrap_or_default();
@@ -214,6 +253,8 @@ impl Plugin for ViewerWindow {
                     files::ask,
                     picture::pictures,
                     picture::picture_then_exit,
+                    evidence::gather,
+                    picture::look_at_picture_then_exit,
                 )
                     .chain()
                     .after(super::follow::follow),
@@ -244,7 +285,18 @@ fn lost(
     RenderErrorPolicy::StopRendering
 }
 
-/// Where the autosave is.
+/// Whether there is an adapter: the renderer would panic without one, after a good deal of talk.
+fn has_adapter() -> bool {
+    let settings = WgpuSettings::default();
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: settings.backends.unwrap_or_default(),
+        flags: settings.instance_flags,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default())).is_ok()
+}
+
+/// Where what the window keeps for itself is.
 fn state_folder() -> PathBuf {
     let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
     let home = std::env::home_dir().unwrap_or_default();
@@ -310,4 +362,20 @@ fn connects_abstract(name: &str) -> Option<()> {
     use std::os::linux::net::SocketAddrExt;
     let address = std::os::unix::net::SocketAddr::from_abstract_name(name).ok()?;
     std::os::unix::net::UnixStream::connect_addr(&address).ok().map(drop)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lost_window_tells_what_became_of_the_garden() {
+        let told = |grown| WatchError::Lost(grown).to_string();
+        assert_eq!(told(Grown::Nothing), "the graphics device was lost");
+        let saved = told(Grown::Saved("dusk-1-1.burgeon".into()));
+        assert!(saved.ends_with("what has grown is in dusk-1-1.burgeon"), "{saved}");
+        let source = std::io::Error::other("the disk is full");
+        let unsaved = told(Grown::Unsaved(SaveError::Io { file: "dusk-1-1.burgeon".into(), source }));
+        assert!(unsaved.ends_with("could not be saved: dusk-1-1.burgeon: the disk is full"), "{unsaved}");
+    }
 }

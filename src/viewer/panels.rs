@@ -10,10 +10,12 @@ use bevy_egui::{EguiContexts, egui};
 use super::act::{Action, OwnLibrary};
 use super::files::{Ask, Files};
 use super::keys::KEYS;
+use super::sessions::{self, Recent};
 use super::size::{InterfaceSize, buttons};
 use super::state::{Chosen, Course, Doomed, Past, Shown, Snapping, Toasts, Tool};
 use super::style;
 use super::why::inspector::Inspector;
+use crate::scenario::Order;
 
 /// What the panels remember.
 #[derive(Resource, Debug)]
@@ -88,6 +90,8 @@ pub(super) struct Seen<'a> {
     pub frames_a_second: Option<f64>,
     /// What saves the garden.
     pub save: Action,
+    /// Earlier sessions.
+    pub recent: &'a Recent,
 }
 
 /// The smallest window, in width and height, that has panels at its sides, logical pixels.
@@ -109,7 +113,7 @@ pub(super) fn draw(
     mut actions: MessageWriter<Action>,
     mut inspector: Inspector,
     mut files: ResMut<Files>,
-    (snapping, mut size): (Res<Snapping>, ResMut<InterfaceSize>),
+    (snapping, mut size, recent): (Res<Snapping>, ResMut<InterfaceSize>, Res<Recent>),
 ) -> Result {
     let context = contexts.ctx_mut()?.clone();
     if let Err(why) = size.bypass_change_detection().follow(&context) {
@@ -132,6 +136,7 @@ pub(super) fn draw(
         snapping: snapping.0,
         frames_a_second: inspector.frames_a_second(),
         save: files.save(),
+        recent: &recent,
     };
     let mut act = |action: Action| {
         actions.write(action);
@@ -186,7 +191,7 @@ pub(super) fn draw(
     left.right += twin;
     // Who has opened one needs no first hint, and there is little room for it.
     panels.hint &= twin == 0.0;
-    overlay(&context, &seen, &mut panels, &mut toasts, left);
+    overlay(&context, &seen, &mut panels, &mut toasts, left, &mut act);
     if let Some((ask, path)) = files.bypass_change_detection().show(&context) {
         let action = inspector.chosen(&mut files, ask, path, &mut toasts);
         // A species is opened beside the scene.
@@ -209,18 +214,30 @@ pub(super) fn draw(
 }
 
 /// What floats over the scene: the tool's word, hints, messages, help.
-fn overlay(context: &egui::Context, seen: &Seen, panels: &mut Panels, toasts: &mut Toasts, room: Room) {
+fn overlay(
+    context: &egui::Context,
+    seen: &Seen,
+    panels: &mut Panels,
+    toasts: &mut Toasts,
+    room: Room,
+    act: &mut impl FnMut(Action),
+) {
     // Gives the height of what it draws.
     let note = |id: &str, at: egui::Align2, by: egui::Vec2, add: &mut dyn FnMut(&mut egui::Ui)| {
         let area = egui::Area::new(egui::Id::new(id)).anchor(at, by).order(egui::Order::Foreground);
         let shown = area.show(context, |ui| {
-            egui::Frame::window(&context.global_style())
-                .inner_margin(egui::Margin::symmetric(12, 8))
-                .show(ui, |ui| add(ui));
+            egui::Frame::window(&context.global_style()).inner_margin(egui::Margin::symmetric(12, 8)).show(
+                ui,
+                |ui| {
+                    // Words stand in the middle beside buttons.
+                    ui.spacing_mut().interact_size.y = 24.0;
+                    add(ui);
+                },
+            );
         });
         shown.response.rect.height()
     };
-    let top = egui::vec2(0.5 * (room.left - room.right), room.top + 10.0);
+    let mut top = egui::vec2(0.5 * (room.left - room.right), room.top + 10.0);
     let word = match seen.tool {
         Tool::Prune if seen.doomed > 0 => Some(format!("click cuts {}", bars::organs(seen.doomed))),
         Tool::Prune => Some("point at a branch to cut it".into()),
@@ -230,9 +247,24 @@ fn overlay(context: &egui::Context, seen: &Seen, panels: &mut Panels, toasts: &m
         Tool::Choose => None,
     };
     if let Some(word) = word {
-        note("tool", egui::Align2::CENTER_TOP, top, &mut |ui| {
-            let color = if seen.doomed > 0 { style::RUST } else { style::LEAF };
-            ui.colored_label(style::ink(ui, color), &word);
+        top.y += 8.0
+            + note("tool", egui::Align2::CENTER_TOP, top, &mut |ui| {
+                let color = if seen.doomed > 0 { style::RUST } else { style::LEAF };
+                ui.colored_label(style::ink(ui, color), &word);
+            });
+    }
+    if let Some(kept) = seen.recent.offered() {
+        note("offer", egui::Align2::CENTER_TOP, top, &mut |ui| {
+            ui.horizontal(|ui| {
+                let what = sessions::words(kept, std::time::SystemTime::now());
+                ui.label(format!("A session was cut short: {what}."));
+                if ui.button("Restore").on_hover_text("Go on where it was saved last").clicked() {
+                    act(Action::Tell(Order::Load(kept.file.clone())));
+                }
+                if ui.button("Dismiss").on_hover_text("It stays under Recent").clicked() {
+                    act(Action::Dismiss(kept.file.clone()));
+                }
+            });
         });
     }
     // What floats leaves the panels uncovered, down to where no word would fit between them.

@@ -11,16 +11,19 @@ use super::scene::Growing;
 use super::state::{Course, Shown, Toasts};
 use crate::files::write_whole;
 use crate::render::compiling::Compiling;
-use crate::render::{Stage, StepFraction};
+use crate::render::evidence::Evidence;
+use crate::render::{OutdoorCamera, Stage, StepFraction};
 
 /// Takes a picture once a step is on screen, then ends the program.
 #[derive(Resource, Debug, Clone)]
 pub(super) struct PictureThen {
     pub file: Option<PathBuf>,
     pub step: u32,
+    /// Whether it counts as a failure if the picture shows no plants.
+    pub must_show_plants: bool,
 }
 
-/// Why the last picture before the end could not be written; outlives the app.
+/// What is wrong with the last picture before the end; outlives the app.
 #[derive(Resource, Debug, Clone, Default)]
 pub(super) struct PictureFailure(Arc<Mutex<Option<String>>>);
 
@@ -49,28 +52,40 @@ pub(super) fn picture_then_exit(
     shown: Res<Shown>,
     course: Res<Course>,
     plants: Query<(&Stage, &StepFraction), With<Growing>>,
+    cameras: Query<&Transform, With<OutdoorCamera>>,
     compiling: Option<Res<Compiling>>,
     mut calm: Local<u32>,
     mut frames: Local<u32>,
+    mut from: Local<Option<Transform>>,
     mut exit: MessageWriter<AppExit>,
 ) {
     let Some(wanted) = wanted else { return };
     let reached = course.stopped || shown.view.as_ref().is_some_and(|view| view.step >= wanted.step);
     let ready = plants.iter().all(|(stage, fraction)| stage.is_settled() && fraction.0 >= 1.0);
     let compiled = compiling.is_none_or(|compiling| !compiling.is_under_way());
+    let eye = cameras.iter().next().copied();
+    let still = core::mem::replace(&mut *from, eye).zip(eye).is_some_and(|(last, now)| stands(&last, &now));
     *frames += 1;
-    if reached && ready && !plants.is_empty() && *frames > if compiled { WARM } else { PATIENT } {
+    let long_enough = *frames > if compiled && still { WARM } else { PATIENT };
+    if reached && ready && !plants.is_empty() && long_enough {
         *calm += 1;
     }
     if *calm == CALM {
         match wanted.file.clone() {
             Some(file) => {
+                let must_show_plants = wanted.must_show_plants;
                 commands.spawn(Screenshot::primary_window()).observe(
                     move |captured: On<ScreenshotCaptured>,
                           failure: Res<PictureFailure>,
+                          mut commands: Commands,
                           mut exit: MessageWriter<AppExit>| {
-                        if let Err(why) = write_picture(&captured.image, &file) {
-                            failure.set(why);
+                        match write_picture(&captured.image, &file) {
+                            Err(why) => failure.set(format!("the picture could not be written: {why}")),
+                            Ok(()) if must_show_plants => {
+                                commands.insert_resource(Evidence::of(captured.image.clone()));
+                                return;
+                            }
+                            Ok(()) => {}
                         }
                         exit.write(AppExit::Success);
                     },
@@ -82,6 +97,27 @@ pub(super) fn picture_then_exit(
         }
         *calm += 1;
     }
+}
+
+/// Whether a camera has moved by less than a picture shows.
+fn stands(last: &Transform, now: &Transform) -> bool {
+    last.translation.distance(now.translation) < 1e-3 && last.rotation.dot(now.rotation).abs() > 1.0 - 2e-7
+}
+
+/// Ends the program once it is known whether its picture shows plants.
+pub(super) fn look_at_picture_then_exit(
+    evidence: Option<Res<Evidence>>,
+    wanted: Option<Res<PictureThen>>,
+    failure: Option<Res<PictureFailure>>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    let Some(shows) = evidence.and_then(|evidence| evidence.shows()) else { return };
+    if let (false, Some(failure), Some(file)) =
+        (shows, failure, wanted.and_then(|wanted| wanted.file.clone()))
+    {
+        failure.set(format!("no plant is to be seen in {}", file.display()));
+    }
+    exit.write(AppExit::Success);
 }
 
 /// Saves a picture of the window.

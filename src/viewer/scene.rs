@@ -30,6 +30,8 @@ pub(super) struct TheSun;
 
 /// Seconds a change takes that no beat times.
 const CHANGE: f32 = 0.6;
+/// Part of a step up to which it is hardly begun to be shown.
+const BEGUN: f32 = 0.4;
 
 /// Shows what has come on screen, and moves plants on between two steps.
 pub(super) fn show_plants(
@@ -48,9 +50,14 @@ pub(super) fn show_plants(
         *seen = shown.arrival;
         return;
     };
+    let (frame, beat) = (time.delta_secs(), beat(&course));
     if *seen != shown.arrival {
         *seen = shown.arrival;
-        if shown.grew {
+        let moves = !std::sync::Arc::ptr_eq(&drawn.before, &drawn.now);
+        if shown.grew && moves && *passed < BEGUN * beat {
+            // Two steps in quick succession, as after an edit, are shown as one: the first is not cut short.
+            drawn.now = view.shot.clone();
+        } else if shown.grew {
             drawn.step_to(view.shot.clone());
             *passed = 0.0;
         } else {
@@ -58,9 +65,8 @@ pub(super) fn show_plants(
             *passed = f32::INFINITY;
         }
     }
-    let frame = time.delta_secs();
     *passed += frame;
-    fraction.set_if_neq(between(*passed, frame, beat(&course)));
+    fraction.set_if_neq(between(*passed, frame, beat));
     let wanted = Look { overlay: shown.overlay, ghost: None, fill: fill(view) };
     look.set_if_neq(wanted);
     match (&shown.ghost, old.single_mut()) {

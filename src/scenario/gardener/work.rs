@@ -11,7 +11,7 @@ use crate::assets::Opened;
 use crate::environment::workers::Workers;
 use crate::export::harvest::{export_all, make_folder};
 use crate::export::picture::PictureSettings;
-use crate::files::{SharedTree, is_save, write_whole};
+use crate::files::{SaveError, SharedTree, is_save, write_whole};
 use crate::scenario::{Autosave, SavedRun, Timeline, Visit};
 
 /// Whether to go on.
@@ -34,10 +34,15 @@ pub(super) struct Work {
     /// When the next step is to be grown while playing.
     due: Instant,
     visit: Option<Visit>,
+    /// Steps that do not wait for their beat.
+    prompt: u8,
     autosave: Option<(Autosave, Duration)>,
     saved: Instant,
     changed: bool,
 }
+
+/// Steps until an edit is answered: buds see what was changed at the end of the next, and turn in the one after.
+const ANSWER: u8 = 2;
 
 impl Work {
     pub fn new(
@@ -57,6 +62,7 @@ impl Work {
             until: settings.until,
             due: now,
             visit: None,
+            prompt: 0,
             autosave: settings.autosave,
             saved: now,
             changed: false,
@@ -65,8 +71,8 @@ impl Work {
         work
     }
 
-    /// Works until told to end, or until nobody can tell any more.
-    pub fn run(mut self) {
+    /// Works until told to end, or until nobody can tell any more. Gives the file that what has grown last is in.
+    pub fn run(mut self) -> Result<Option<PathBuf>, SaveError> {
         self.tell_changed(None);
         while self.hear() == Then::GoOn {
             if let Some(order) = self.orders.pop_front() {
@@ -85,8 +91,9 @@ impl Work {
             }
             self.save_now_and_then(false);
         }
-        self.save_now_and_then(true);
+        let saved = self.finish();
         self.tell(News::Ended);
+        saved
     }
 
     /// A host that no longer listens will not miss it.
@@ -166,6 +173,7 @@ impl Work {
                 let step = step.unwrap_or(self.timeline.present());
                 let outcome =
                     if drag { self.timeline.amend(step, edit)? } else { self.timeline.edit(step, edit)? };
+                self.prompt = if drag { self.prompt } else { ANSWER };
                 self.change(outcome.map(|outcome| outcome.shed));
             }
             Order::Undo => {
@@ -279,7 +287,10 @@ impl Work {
         match self.timeline.advance() {
             Ok(_) => {
                 self.changed = true;
-                if !catching_up {
+                self.prompt = self.prompt.saturating_sub(1);
+                if !catching_up && self.prompt > 0 {
+                    self.due = Instant::now();
+                } else if !catching_up {
                     let beat = self.pace.map_or(Duration::ZERO, |pace| Duration::from_secs_f32(1.0 / pace));
                     // A beat that was missed is not made up for.
                     self.due = (self.due + beat).max(Instant::now());
@@ -337,11 +348,23 @@ impl Work {
     }
 
     fn take_up(&mut self, mut timeline: Timeline, save: Option<&Path>) {
+        self.save_now_and_then(true);
+        if let Some((autosave, _)) = &mut self.autosave {
+            let path = autosave.file().map(Path::to_path_buf).unwrap_or_default();
+            if let Err(source) = autosave.turn_to(save) {
+                self.tell(News::Refused(GardenerError::Write { path, source }));
+            }
+        }
         timeline.adopt_settings(&self.timeline);
         self.timeline = timeline;
         self.change(None);
+        // It can be had again as it was taken up.
+        self.changed = false;
         let scenario = self.timeline.scenario().name;
-        self.tell(News::Began { scenario, save: save.map(Path::to_path_buf) });
+        // A session's save is not the file its garden is to be saved to.
+        let is_own = |save: &&Path| self.autosave.as_ref().is_some_and(|(autosave, _)| autosave.is_own(save));
+        let save = save.filter(|save| !is_own(save)).map(Path::to_path_buf);
+        self.tell(News::Began { scenario, save });
     }
 
     fn write(&self, path: &Path, text: &str) -> Result<(), GardenerError> {
@@ -383,6 +406,16 @@ impl Work {
             Ok(()) => self.changed = false,
             Err(why) => self.tell(News::Refused(why.into())),
         }
+    }
+
+    /// Saves what is not yet saved, for the last time.
+    fn finish(&mut self) -> Result<Option<PathBuf>, SaveError> {
+        let Some((autosave, _)) = &mut self.autosave else { return Ok(None) };
+        if self.changed {
+            autosave.write(&self.timeline.save())?;
+        }
+        let file = autosave.file().map_or_else(String::new, |file| file.display().to_string());
+        autosave.finish().map_err(|source| SaveError::Io { file, source })
     }
 
     fn progress(&self) -> Progress {
