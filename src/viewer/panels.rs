@@ -253,9 +253,12 @@ fn overlay(
                 ui.colored_label(style::ink(ui, color), &word);
             });
     }
+    // What floats leaves the panels uncovered, down to where no word would fit between them.
+    let free = (context.viewport_rect().width() - room.left - room.right - 56.0).max(150.0);
     if let Some(kept) = seen.recent.offered() {
         note("offer", egui::Align2::CENTER_TOP, top, &mut |ui| {
-            ui.horizontal(|ui| {
+            ui.set_max_width(free);
+            ui.horizontal_wrapped(|ui| {
                 let what = sessions::words(kept, std::time::SystemTime::now());
                 ui.label(format!("A session was cut short: {what}."));
                 if ui.button("Restore").on_hover_text("Go on where it was saved last").clicked() {
@@ -267,8 +270,6 @@ fn overlay(
             });
         });
     }
-    // What floats leaves the panels uncovered, down to where no word would fit between them.
-    let free = (context.viewport_rect().width() - room.left - room.right - 56.0).max(150.0);
     // Messages stand above the hint.
     let mut above = room.bottom + 14.0;
     if panels.hint {
