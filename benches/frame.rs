@@ -5,6 +5,7 @@
 //! cargo bench --features render --bench frame
 //! ```
 
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -14,7 +15,7 @@ use bevy::render::settings::{RenderCreation, WgpuSettings};
 use burgeon::assets::Library;
 use burgeon::growth::StepCount;
 use burgeon::growth::parts::{PartOfStep, grow_in_parts};
-use burgeon::plant::OrganState;
+use burgeon::plant::{Lineage, OrganState};
 use burgeon::prelude::*;
 use burgeon::render::{
     DrawSettings, Drawn, GrowthPace, LiveGrowthPlugin, PlantRenderPlugin, Stage, StepFraction,
@@ -145,12 +146,13 @@ fn dusk(buds: usize) -> Timeline {
 
 /// The largest angle by which a growing tip that two courses share heads elsewhere in one of them, degrees.
 fn turn(shot: &Snapshot, course: &Snapshot) -> f32 {
-    let tips = (0..shot.len()).filter(|&i| matches!(shot.state[i], OrganState::ApicalBud(..)));
-    let angles = tips.filter_map(|i| {
-        let there =
-            course.index_of(shot.birth[i]).filter(|&there| course.lineage[there] == shot.lineage[i])?;
-        Some(shot.pose[i].heading().angle_between(course.pose[there].heading()).to_degrees())
-    });
+    let tips = |of: &Snapshot| -> HashMap<Lineage, Vec3> {
+        let tips = (0..of.len()).filter(|&i| matches!(of.state[i], OrganState::ApicalBud(..)));
+        tips.map(|i| (of.lineage[i], of.pose[i].heading())).collect()
+    };
+    let (here, there) = (tips(shot), tips(course));
+    let angles =
+        here.iter().filter_map(|(tip, heading)| Some(heading.angle_between(*there.get(tip)?).to_degrees()));
     angles.fold(0.0, f32::max)
 }
 
