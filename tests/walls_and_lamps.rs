@@ -10,7 +10,7 @@ use burgeon::plant::{Bears, Cause, Fallen, Identity, OrganKind, OrganState, Plan
 use burgeon::scenario::{Edit, Garden, PlacedLamp, PlacedSolid, Planting, TimedEdit, apply};
 use burgeon::species::Species;
 use common::by_hand::Nursery;
-use common::check::{check, check_solids, check_world};
+use common::check::{check, check_solids, check_world, grow_past_solids};
 use common::measure::{count, mean_position, wood_centroid};
 use common::{garden, grown, over_seeds, quick, shipped};
 
@@ -141,15 +141,8 @@ fn no_branch_passes_through_a_solid_of_a_shipped_scenario_in_all_its_steps() {
         let mut resolved = shipped(name);
         resolved.scenario.sensing.leaf_face = 3;
         resolved.scenario.sensing.bud_face = 4;
-        over_seeds(seeds, |seed| {
-            let mut garden = garden(resolved.clone(), seed);
-            for step in 0..resolved.scenario.steps {
-                garden.step().unwrap();
-                let shot = garden.snapshot();
-                check_solids(garden.world_mut(), &shot)
-                    .unwrap_or_else(|why| panic!("{name}, seed {seed}, step {step}: {why}"));
-            }
-        });
+        let steps = resolved.scenario.steps;
+        over_seeds(seeds, |seed| grow_past_solids(resolved.clone(), seed, steps));
     }
 }
 

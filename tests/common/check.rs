@@ -6,6 +6,7 @@ use bevy::math::ops;
 use bevy::prelude::*;
 use burgeon::environment::Solid;
 use burgeon::environment::{SolidShape, StandingSolid, standing_solids};
+use burgeon::files::ResolvedScenario;
 use burgeon::plant::{Identity, NO_PARENT, OrganKind, OrganState, Roster, Snapshot};
 
 /// Fails with a sentence.
@@ -184,6 +185,18 @@ pub fn check_solids(world: &mut World, shot: &Snapshot) -> Result<(), String> {
         }
     }
     Ok(())
+}
+
+/// Grows a scenario by a number of steps; after each no wood passes through a solid.
+pub fn grow_past_solids(resolved: ResolvedScenario, seed: u64, steps: u32) {
+    let name = resolved.scenario.name.clone();
+    let mut garden = super::garden(resolved, seed);
+    for step in 0..steps {
+        garden.step().unwrap();
+        let shot = garden.snapshot();
+        check_solids(garden.world_mut(), &shot)
+            .unwrap_or_else(|why| panic!("{name}, seed {seed}, step {step}: {why}"));
+    }
 }
 
 /// Whether a point lies inside a solid.

@@ -16,7 +16,7 @@ use burgeon::plant::measure::Form;
 use burgeon::plant::skeleton::Skeleton;
 use burgeon::scenario::{Edit, PlacedSolid, Scenario, TimedEdit, apply};
 use burgeon::species::Allocation;
-use common::check::check_solids;
+use common::check::grow_past_solids;
 use common::{garden, over_seeds, shipped};
 
 /// A plant of a species alone in the open.
@@ -84,13 +84,7 @@ fn limbs_that_sag_go_through_no_wall() {
                     ..default()
                 },
             ];
-            let mut garden = garden(resolved, seed);
-            for step in 0..10 {
-                garden.step().unwrap();
-                let shot = garden.snapshot();
-                check_solids(garden.world_mut(), &shot)
-                    .unwrap_or_else(|why| panic!("{name}, seed {seed}, step {step}: {why}"));
-            }
+            grow_past_solids(resolved, seed, 10);
         });
     }
 }
