@@ -1,6 +1,7 @@
 //! Chance: one random stream per organ, step and purpose, the same on every machine.
 
 use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 
 use crate::plant::Lineage;
@@ -48,7 +49,7 @@ pub fn unit(rng: &mut Pcg64Mcg) -> f32 {
     rng.random::<f32>()
 }
 
-/// A draw from the standard normal distribution (sum of twelve uniforms: exact arithmetic on every machine).
+/// A draw from the standard normal distribution.
 pub fn normal(rng: &mut Pcg64Mcg) -> f32 {
-    (0..12).map(|_| unit(rng)).sum::<f32>() - 6.0
+    StandardNormal.sample(rng)
 }

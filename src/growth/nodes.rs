@@ -1,5 +1,7 @@
 //! Nodes: rule 2 (`A -> N [L B] [A]`), and the leaves that unfold there (`LK-5`, `LK-8`).
 
+use std::time::Instant;
+
 use bevy::math::ops;
 use bevy::prelude::*;
 
@@ -144,9 +146,10 @@ pub fn form_nodes(
     mut buds: Query<(&Identity, &BranchOrder, &Exposure, &mut Allotment, &ApicalBud)>,
     mut parts: ResMut<StepParts>,
 ) {
+    let began = Instant::now();
     let nodes = core::mem::take(&mut fresh.0);
     for (k, node) in nodes.iter().enumerate() {
-        if k > 0 && k % AT_ONCE == 0 && parts.is_time_up() {
+        if k > 0 && k % AT_ONCE == 0 && parts.is_time_up_with_births(began) {
             fresh.0.extend_from_slice(&nodes[k..]);
             parts.leave_off_within();
             break;

@@ -36,6 +36,9 @@ use crate::plant::{Snapshot, shed_missing};
 /// How many things a system that can leave off does before it looks at the time.
 pub(super) const AT_ONCE: usize = 64;
 
+/// How many times as long it takes to bear organs as to ask for them.
+const BEARING: u32 = 3;
+
 /// How far a call of [`grow_in_parts`] came.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PartOfStep {
@@ -102,6 +105,14 @@ impl StepParts {
     /// Whether a system that could go on later should leave off: the time of this part is up.
     pub(super) fn is_time_up(&self) -> bool {
         self.until.is_some_and(|until| Instant::now() >= until)
+    }
+
+    /// Whether a system that has asked for births since some time should leave off: no time is left but for bearing them.
+    pub(super) fn is_time_up_with_births(&self, since: Instant) -> bool {
+        self.until.is_some_and(|until| {
+            let now = Instant::now();
+            now + (now - since) * BEARING >= until
+        })
     }
 
     /// Leaves off within the system that has its turn: it has another at the beginning of the next part.

@@ -1,5 +1,7 @@
 //! Extending shoots: rule 1 (A -> I A), each sub-step steered and kept out of solids (`LK-4`, `ST-5`).
 
+use std::time::Instant;
+
 use bevy::math::ops;
 use bevy::prelude::*;
 
@@ -178,6 +180,7 @@ pub fn extend_shoots(
     )>,
     mut parts: ResMut<StepParts>,
 ) {
+    let began = Instant::now();
     let solids = crate::environment::standing_solids(solids.iter());
     let living = roster.len();
     let mut moved = vec![false; living];
@@ -189,7 +192,7 @@ pub fn extend_shoots(
         if roster.kind[i] != OrganKind::ApicalBud || !asked.contains(&birth) {
             continue;
         }
-        if buds_seen > 0 && buds_seen % AT_ONCE == 0 && parts.is_time_up() {
+        if buds_seen > 0 && buds_seen % AT_ONCE == 0 && parts.is_time_up_with_births(began) {
             parts.rest = Some(birth..asked.end);
             parts.leave_off_within();
             break;

@@ -114,20 +114,24 @@ fn leaves_by_step(resolved: ResolvedScenario, seed: u64, steps: u32) -> Vec<usiz
 
 #[test]
 fn a_poor_old_oak_thins_its_crown_and_never_drops_it() {
-    let crowns = over_seeds(1..5, |seed| {
+    let crowns = over_seeds(1..21, |seed| {
         let mut resolved = alone("oak");
         resolved.scenario.sensing.leaf_face = 2;
         resolved.scenario.sensing.bud_face = 4;
         resolved.species.get_mut("oak").unwrap().leaf_income = 2.5;
         leaves_by_step(resolved, seed, 42)
     });
-    for leaves in crowns {
-        println!("{leaves:?}");
-        for (year, pair) in leaves.windows(2).enumerate().skip(15) {
-            assert!(2 * pair[1] > pair[0], "year {}: {} leaves after {}", year + 2, pair[1], pair[0]);
-        }
-        assert!(leaves[41] > 150, "it lives and grows: {} leaves", leaves[41]);
-    }
+    // What is left of a crown from one year to the next, the worst first.
+    let mut left: Vec<f64> = crowns
+        .iter()
+        .flat_map(|leaves| leaves[15..].windows(2).map(|pair| pair[1] as f64 / pair[0] as f64))
+        .collect();
+    left.sort_by(f64::total_cmp);
+    println!("of {} years the worst leave {:.2?} of a crown", left.len(), &left[..8]);
+    assert!(left[0] > 1.0 / 3.0 && left[left.len() / 100] > 0.5, "{:?}", &left[..8]);
+    let mut old: Vec<usize> = crowns.iter().map(|leaves| leaves[41]).collect();
+    old.sort_unstable();
+    assert!(old[0] > 50 && old[10] > 200, "they live and grow: {old:?} leaves");
 }
 
 #[test]
@@ -137,7 +141,7 @@ fn broadleaved_stumps_sprout() {
             let mut resolved = alone(name);
             let species = resolved.species.get_mut(name).unwrap();
             species.sprouting = sprouting.unwrap_or(species.sprouting);
-            let stump = TimedEdit { step: 14, edit: Edit::Top { plant: 0, above: 0.25 } };
+            let stump = TimedEdit { step: 14, edit: Edit::Top { plant: 0, above: 0.15 } };
             resolved.scenario.edits = vec![stump];
             over_seeds(1..5, |seed| {
                 let leaves = leaves_by_step(resolved.clone(), seed, 19);

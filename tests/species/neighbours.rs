@@ -14,7 +14,7 @@ fn in_a_dense_stand_a_tree_is_taller_for_its_width_and_bare_below() {
         // The one in the middle comes first.
         let places = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Z].map(|at| 0.6 * at);
         let stand = Library::embedded().resolve(planted(name, places)).unwrap();
-        let forms = over_seeds(1..4, |seed| {
+        let forms = over_seeds(1..8, |seed| {
             let open = Form::of(&last(alone(name), seed, steps), Some(0));
             let dense = Form::of(&last(stand.clone(), seed, steps), Some(0));
             (open, dense)
@@ -36,13 +36,13 @@ fn in_a_dense_stand_a_tree_is_taller_for_its_width_and_bare_below() {
 #[test]
 fn beside_a_wall_a_crown_leans_into_the_open() {
     // Wide ones: a birch as young as that hardly reaches the wall.
-    for (name, steps) in [("oak", 11), ("beech", 15), ("hazel", 13)] {
+    for (name, steps) in [("oak", 13), ("beech", 18), ("hazel", 12)] {
         let middle = |resolved: ResolvedScenario, seed: u64| {
-            let shot = last(resolved, seed, steps - 2);
+            let shot = last(resolved, seed, steps);
             let is_leaf = |i: usize| shot.state[i].kind() == burgeon::plant::OrganKind::Leaf;
             f64::from(mean_position(&shot, is_leaf).x)
         };
-        let leans = over_seeds(1..6, |seed| {
+        let leans = over_seeds(1..9, |seed| {
             let mut resolved = alone(name);
             let open = middle(resolved.clone(), seed);
             resolved.scenario.solids = vec![PlacedSolid {
@@ -54,7 +54,7 @@ fn beside_a_wall_a_crown_leans_into_the_open() {
         });
         println!("{name}: with the wall the crown's middle is {leans:.2?} m farther out");
         assert!(median(leans.clone()) > 0.05, "{name}: {leans:?}");
-        assert!(leans.iter().filter(|lean| **lean > 0.0).count() >= 4, "{name}: {leans:?}");
+        assert!(leans.iter().filter(|lean| **lean > 0.0).count() >= 7, "{name}: {leans:?}");
     }
 }
 

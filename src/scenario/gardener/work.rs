@@ -41,8 +41,9 @@ pub(super) struct Work {
     changed: bool,
 }
 
-/// Steps until an edit is answered: buds see what was changed at the end of the next, and turn in the one after.
-const ANSWER: u8 = 2;
+/// Steps until an edit is answered: buds see what was changed at the end of the next, a correction is sent in the one
+/// after, and a shoot of a single internode, whose signals are one sub-step late, turns in the third.
+const ANSWER: u8 = 3;
 
 impl Work {
     pub fn new(
