@@ -18,6 +18,6 @@ pub mod workers;
 pub use gather::{add_plants, capsules};
 pub use plugin::{EnvironmentPlugin, Ground, standing_solids, whole_scene};
 pub use scene::{
-    Capsule, Lamp, LeafPatch, Scene, Sky, SkyGradient, Solid, SolidShape, StandingLamp, StandingSolid, Sun,
-    SunLight,
+    Capsule, Lamp, LeafPatch, Scene, Shore, Sky, SkyGradient, Solid, SolidShape, StandingLamp, StandingSolid,
+    Sun, SunLight,
 };

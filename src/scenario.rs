@@ -14,7 +14,7 @@ use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::environment::probe::Sensing;
-use crate::environment::{Sky, SolidShape};
+use crate::environment::{Shore, Sky, SolidShape};
 use crate::growth::Mechanisms;
 use crate::species::parameter::Color;
 
@@ -153,6 +153,8 @@ pub struct Scenario {
     pub sun: Option<PlacedSun>,
     /// Whether there is an infinite ground at height 0.
     pub ground: bool,
+    /// Where a sea begins, if there is one: in pictures the ground is a beach.
+    pub shore: Option<Shore>,
     /// Which parts of the model run (figure 1 a to d).
     pub mechanisms: Mechanisms,
     /// How buds and leaves look around.
@@ -179,6 +181,7 @@ impl Default for Scenario {
             sky: Sky::default(),
             sun: None,
             ground: true,
+            shore: None,
             mechanisms: Mechanisms::default(),
             sensing: Sensing::default(),
             edits: Vec::new(),

@@ -9,6 +9,7 @@ pub mod levels;
 pub(crate) mod noise;
 pub mod outline;
 pub mod paint;
+pub(crate) mod shore;
 mod surface;
 pub mod tangents;
 pub mod texture;

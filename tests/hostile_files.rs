@@ -142,6 +142,26 @@ fn every_field_of_a_scenario_takes_what_is_allowed_and_names_what_it_refuses() {
 }
 
 #[test]
+fn a_seed_lies_where_it_can_come_up() {
+    let sown = |at: &str, ground: bool| {
+        let wall = "(name: \"bank\", shape: Box(size: (2, 1, 2)), at: (5, 0.5, 0))";
+        let text = format!("(ground: {ground}, solids: [{wall}], plants: [(), (at: {at})])");
+        match Scenario::from_ron(&text, "sown.ron") {
+            Ok(_) => None,
+            Err(FileError::Invalid { field, allowed, .. }) => Some((field, allowed)),
+            Err(other) => panic!("{text}: {other:?}"),
+        }
+    };
+    let (field, allowed) = sown("(4.5, 0, 0.2)", true).expect("it lies in the bank");
+    assert!(field == "plants[1].at" && allowed.contains("\"bank\""), "{field}: {allowed}");
+    let (field, _) = sown("(0, -3, 0)", true).expect("it lies deep underground");
+    assert_eq!(field, "plants[1].at");
+    for (at, ground) in [("(0, -3, 0)", false), ("(4.5, 1, 0.2)", true), ("(3.9, 0, 0)", true)] {
+        assert_eq!(sown(at, ground), None, "{at}");
+    }
+}
+
+#[test]
 fn edits_name_what_stands_there_at_their_step() {
     let wrong = |edits: &str| {
         let text = format!("(lamps: [(name: \"lamp\")],\nedits: [\n{edits}\n])");

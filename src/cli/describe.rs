@@ -124,7 +124,7 @@ fn table(parameters: &[Parameter], species: Option<&Species>) {
 }
 
 fn scenario(resolved: &ResolvedScenario) {
-    let Scenario { name, description, steps, plants, solids, lamps, sky, sun, ground, .. } =
+    let Scenario { name, description, steps, plants, solids, lamps, sky, sun, ground, shore, .. } =
         &resolved.scenario;
     say(format_args!("{name}: {description}"));
     say(format_args!("  steps   {steps}"));
@@ -155,6 +155,12 @@ fn scenario(resolved: &ResolvedScenario) {
         None => say("  sun     none"),
     }
     say(format_args!("  ground  {}", if *ground { "at height 0" } else { "none" }));
+    if let Some(shore) = shore {
+        say(format_args!(
+            "  sea     {} m off, {} deg from south to east",
+            shore.distance_m, shore.azimuth_deg
+        ));
+    }
     let m = resolved.scenario.mechanisms;
     let on = |b: bool| if b { "on" } else { "off" };
     say(format_args!("  light {}, space {}, energy {}", on(m.light), on(m.space), on(m.energy)));

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::workers::Workers;
 use super::{
-    Lamp, Scene, Sky, Solid, StandingLamp, StandingSolid, Sun, SunLight, add_plants, probe::Sensing,
+    Lamp, Scene, Shore, Sky, Solid, StandingLamp, StandingSolid, Sun, SunLight, add_plants, probe::Sensing,
 };
 use crate::plant::Snapshot;
 
@@ -31,6 +31,7 @@ impl Plugin for EnvironmentPlugin {
             .init_resource::<Workers>()
             .register_type::<Sky>()
             .register_type::<Ground>()
+            .register_type::<Shore>()
             .register_type::<Sensing>()
             .register_type::<Workers>()
             .register_type::<Solid>()
@@ -88,6 +89,7 @@ pub fn standing_scene(world: &mut World) -> Scene {
         sun,
         sky: world.get_resource::<Sky>().copied().unwrap_or_default(),
         ground: world.get_resource::<Ground>().copied().unwrap_or_default().0,
+        shore: world.get_resource().copied(),
         ..Scene::default()
     }
 }

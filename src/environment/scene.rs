@@ -1,5 +1,6 @@
 //! The scene: what can be seen or bumped into, as plain data.
 
+use bevy::math::ops;
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -200,6 +201,37 @@ pub struct SunLight {
     pub strength: f32,
 }
 
+/// A sea: the ground is a beach that ends in water along a straight shore. It is only drawn; nothing that grows minds
+/// it. A resource of worlds that have one.
+#[derive(Resource, Debug, Clone, Copy, PartialEq, Reflect, Serialize, Deserialize)]
+#[reflect(Resource)]
+#[serde(default, deny_unknown_fields)]
+pub struct Shore {
+    /// Where the sea lies, degrees from +z (south) towards +x (east).
+    pub azimuth_deg: f32,
+    /// How far from the middle it begins, metres.
+    pub distance_m: f32,
+}
+
+impl Default for Shore {
+    fn default() -> Self {
+        Self { azimuth_deg: 0.0, distance_m: 10.0 }
+    }
+}
+
+impl Shore {
+    /// Out to sea: a level unit vector.
+    pub fn outward(&self) -> Vec3 {
+        let (sin, cos) = ops::sin_cos(self.azimuth_deg.to_radians());
+        Vec3::new(sin, 0.0, cos)
+    }
+
+    /// How far out at sea a point is, metres; below 0 on land.
+    pub fn out_at(&self, point: Vec3) -> f32 {
+        point.dot(self.outward()) - self.distance_m
+    }
+}
+
 /// Everything a probe or a growing shoot can meet, as plain data.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Scene {
@@ -217,6 +249,8 @@ pub struct Scene {
     pub sun: Option<SunLight>,
     /// Height of the infinite ground, metres, if there is one.
     pub ground: Option<f32>,
+    /// Where a sea begins, if there is one; pictures show it.
+    pub shore: Option<Shore>,
 }
 
 impl SolidShape {

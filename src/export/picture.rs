@@ -13,6 +13,7 @@ mod daylight;
 mod look;
 mod noise;
 mod photograph;
+mod shore;
 mod surface;
 
 use bevy::math::ops;
@@ -22,6 +23,7 @@ use image::{Rgb, RgbImage};
 use crate::environment::Scene;
 use crate::environment::trace::{Hit, Seen, Tracer};
 use crate::environment::workers::Workers;
+use crate::shape::shore::SAND;
 use daylight::{Daylight, encode};
 use noise::{fract, hash, mix, smooth, unit};
 use surface::{Surface, View, around};
@@ -97,12 +99,13 @@ pub fn render(
 ) -> RgbImage {
     let PictureSettings { width, height, samples } = settings;
     let scene = tracer.scene();
+    let ground = if scene.shore.is_some() { SAND } else { palette.grass };
     let painter = Painter {
         tracer,
         scene,
         palette,
         camera,
-        daylight: Daylight::of(scene, palette.grass, camera.forward, camera.right),
+        daylight: Daylight::of(scene, ground, camera.forward, camera.right),
         size: Vec2::new(width as f32, height as f32),
         view: View::of(camera, height),
     };
@@ -143,7 +146,8 @@ impl Painter<'_> {
                 let row = 1.0 - 2.0 * (y.floor() + 0.5) / self.size.y;
                 let column = 2.0 * (x.floor() + 0.5) / self.size.x - 1.0;
                 let smooth_d = self.camera.ray(column, row, aspect);
-                let land = self.scene.ground.is_some();
+                let seawards = self.scene.shore.is_some_and(|sea| sea.outward().dot(d) > 0.0);
+                let land = self.scene.ground.is_some() && !seawards;
                 let light =
                     if land { self.daylight.distance(d, smooth_d) } else { self.daylight.backdrop(smooth_d) };
                 (light, 0)
@@ -156,19 +160,36 @@ impl Painter<'_> {
             Seen::Ground => {
                 // Land fades into the air above the horizon.
                 let far = 1.0 - smooth(0.0, 0.03, -d.y);
-                (self.shade(&hit, d, stream).lerp(self.daylight.haze(), far * 0.75), 1)
+                let light = self.shade(self.camera.eye, &hit, d, stream);
+                match self.mirrored(&hit, d, stream) {
+                    Some((sky, share)) => (light.lerp(sky, share), 4),
+                    None => (light.lerp(self.daylight.haze(), far * 0.75), 1),
+                }
             }
-            Seen::Solid(i) => (self.shade(&hit, d, stream), 10_000 + i),
-            Seen::Lamp(i) => (self.shade(&hit, d, stream), 100 + i),
-            Seen::Wood(_) => (self.shade(&hit, d, stream), 2),
-            Seen::Leaf(_) => (self.shade(&hit, d, stream), 3),
+            Seen::Solid(i) => (self.shade(self.camera.eye, &hit, d, stream), 10_000 + i),
+            Seen::Lamp(i) => (self.shade(self.camera.eye, &hit, d, stream), 100 + i),
+            Seen::Wood(_) => (self.shade(self.camera.eye, &hit, d, stream), 2),
+            Seen::Leaf(_) => (self.shade(self.camera.eye, &hit, d, stream), 3),
         };
         (self.daylight.develop(light + glow), kind)
     }
 
-    /// Light a surface sends back along a ray of direction `d`.
-    fn shade(&self, hit: &Hit, d: Vec3, stream: Stream) -> Vec3 {
+    /// What a sea mirrors of sky and plants along a ray of direction `d`, and its share of what is seen there.
+    fn mirrored(&self, hit: &Hit, d: Vec3, stream: Stream) -> Option<(Vec3, f32)> {
         let point = self.camera.eye + d * hit.t;
+        let (back, share) = shore::mirror(&self.scene.shore?, point, d, hit.t * self.view.pixel)?;
+        let from = point + Vec3::Y * 1e-3;
+        let seen = self.tracer.closest(from, back, f32::INFINITY, &[]);
+        let light = match seen.seen {
+            Seen::Sky | Seen::Ground => self.daylight.backdrop(back),
+            _ => self.shade(from, &seen, back, stream),
+        };
+        Some((light, share))
+    }
+
+    /// Light a surface sends back along a ray of direction `d` from a place.
+    fn shade(&self, eye: Vec3, hit: &Hit, d: Vec3, stream: Stream) -> Vec3 {
+        let point = eye + d * hit.t;
         let surface = Surface::at(self.scene, self.palette, hit, point, d, &self.view);
         let skin = 2e-4 + 1e-5 * hit.t;
         let thin = surface.through != Vec3::ZERO;

@@ -10,6 +10,7 @@ use super::source::split_path;
 use super::species::{NAME, TEXT, is_name, is_text};
 use crate::environment::SolidShape;
 use crate::limits;
+use crate::scenario::place::{DEEPEST_SEED_M, lies_in};
 use crate::scenario::{Edit, PlacedLamp, PlacedSolid, PlacedSun, Planting, Scenario, TimedEdit};
 use crate::species::Species;
 use crate::species::parameter::{Color, ParameterError, ParameterType};
@@ -42,6 +43,9 @@ impl Scenario {
             check.solid(solid)?;
             inventory.place(&check, "name", &solid.name, false)?;
         }
+        for (i, plant) in self.plants.iter().enumerate() {
+            self.can_come_up(&Checker::at(format!("plants[{i}]")), plant)?;
+        }
         for (i, lamp) in self.lamps.iter().enumerate() {
             let check = Checker::at(format!("lamps[{i}]"));
             check.lamp(lamp)?;
@@ -51,6 +55,10 @@ impl Scenario {
         if let Some(sun) = &self.sun {
             Checker::at("sun").sun(sun)?;
         }
+        if let Some(shore) = &self.shore {
+            Checker::at("shore").number("azimuth_deg", &shore.azimuth_deg)?;
+            Checker::at("shore").number("distance_m", &shore.distance_m)?;
+        }
         Checker::at("sensing").number("leaf_face", &self.sensing.leaf_face)?;
         Checker::at("sensing").number("bud_face", &self.sensing.bud_face)?;
         let mut order: Vec<usize> = (0..self.edits.len()).collect();
@@ -59,6 +67,20 @@ impl Scenario {
             inventory.timed(i, &self.edits[i])?;
         }
         inventory.count(&top)
+    }
+
+    /// Checks that a seed lies neither in a solid nor deep underground.
+    fn can_come_up(&self, check: &Checker, plant: &Planting) -> Result<(), ScenarioError> {
+        let value = || plant.at.to_string();
+        if self.ground && plant.at.y < -DEEPEST_SEED_M {
+            return check.fail("at", value(), format!("at most {DEEPEST_SEED_M} m below the ground"));
+        }
+        match self.solids.iter().find(|solid| lies_in(&solid.standing(), plant.at)) {
+            Some(solid) => {
+                check.fail("at", value(), format!("a place outside of the solid {:?}", solid.name))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Leaves out every edit that names what does not stand there at its step, as edits do whose ground an earlier

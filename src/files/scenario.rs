@@ -9,6 +9,7 @@ use super::ron_text::{differing, file_of, invalid, line_of, list_of, parse, shor
 use super::source::{Source, split_path};
 use super::species::{NAME, TEXT};
 use super::{FileError, VERSION};
+use crate::environment::Shore;
 use crate::limits;
 use crate::scenario::{Edit, PlacedLamp, PlacedSolid, PlacedSun, Planting, Scenario, TimedEdit};
 use crate::species::Species;
@@ -58,6 +59,7 @@ static TABLE: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
     let turn = |name| real(name, 0.0, "deg", Range::real(-360.0, 360.0), "Turn about the vertical.");
     let (all, solid, lamp, sun) =
         (Scenario::default(), PlacedSolid::default(), PlacedLamp::default(), PlacedSun::default());
+    let shore = Shore::default();
     let face = Range::whole(1, limits::FACE);
     let size = Range::real(0.001, LARGEST_M);
     vec![
@@ -94,6 +96,14 @@ static TABLE: LazyLock<Vec<Parameter>> = LazyLock::new(|| {
         real("sun.azimuth_deg", sun.azimuth_deg, "deg", Range::real(-360.0, 360.0), "From +z to +x."),
         real("sun.strength", sun.strength, "", Range::real(0.0, 10.0), "1 alone saturates an exposure."),
         flag("ground", all.ground, "Whether there is a ground at height 0."),
+        real("shore.azimuth_deg", shore.azimuth_deg, "deg", Range::real(-360.0, 360.0), "From +z to +x."),
+        real(
+            "shore.distance_m",
+            shore.distance_m,
+            "m",
+            Range::real(-FARTHEST_M, FARTHEST_M),
+            "From the middle to the sea. Only drawn.",
+        ),
         flag("mechanisms.light", true, "Buds grow towards light, leaves earn by it."),
         flag("mechanisms.space", true, "Buds grow towards space."),
         flag("mechanisms.energy", true, "Growth needs energy."),

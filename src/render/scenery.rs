@@ -4,6 +4,7 @@ mod daylight;
 mod grass;
 mod ground;
 mod lamps;
+mod shore;
 mod solids;
 
 use bevy::camera::{Exposure, Hdr};
@@ -21,7 +22,8 @@ pub use daylight::Daylight;
 pub use ground::Tufts;
 pub use solids::SeenThrough;
 
-/// Draws every [`Solid`], [`Lamp`] and [`Sun`](crate::environment::Sun), the [`Sky`] and the [`Ground`](crate::environment::Ground).
+/// Draws every [`Solid`], [`Lamp`] and [`Sun`](crate::environment::Sun), the [`Sky`], the [`Ground`](crate::environment::Ground)
+/// and, where there is one, the [`Shore`](crate::environment::Shore).
 ///
 /// Without a sun a soft light stands in for the brighter half of the sky, so that things have a lit and a shaded
 /// side. Cameras marked [`OutdoorCamera`] get sky, haze and exposure.
@@ -83,6 +85,7 @@ impl Plugin for SceneryPlugin {
                     lamps::face_camera,
                     ground::show_ground,
                     ground::show_tufts,
+                    shore::show_shore,
                     set_key_light,
                     set_cameras,
                 ),

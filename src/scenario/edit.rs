@@ -188,7 +188,7 @@ pub fn apply(world: &mut World, edit: &Edit) -> Result<EditOutcome, EditError> {
     let mut shed_count = 0;
     match edit {
         Edit::Plant(planting) => {
-            place::finite("at", planting.at)?;
+            place::can_come_up(world, planting.at)?;
             let species = species_named(world, &planting.species)?;
             place::sow(world, planting, species, world_seed(world));
         }

@@ -3,14 +3,15 @@
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::place;
 use crate::environment::plugin::standing_lamps;
 use crate::environment::{
-    Lamp, Scene, Sky, Solid, SolidShape, StandingSolid, Sun, SunLight, standing_solids,
+    Lamp, Scene, Shore, Sky, Solid, SolidShape, StandingSolid, Sun, SunLight, standing_solids,
 };
 use crate::files::{FARTHEST_M, LARGEST_M};
 use crate::growth::Mechanisms;
 
-/// Solids, lamps, sun and sky as they stand at one moment, and which parts of the model run.
+/// Solids, lamps, sun, sky and sea as they stand at one moment, and which parts of the model run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fixtures {
     /// Solids, by name.
@@ -21,6 +22,8 @@ pub struct Fixtures {
     pub sun: Option<(Quat, f32)>,
     /// The sky.
     pub sky: Sky,
+    /// Where a sea begins, if there is one.
+    pub shore: Option<Shore>,
     /// Which parts of the model run.
     pub mechanisms: Mechanisms,
 }
@@ -81,6 +84,7 @@ impl Fixtures {
             lamps: named_things(world),
             sun,
             sky: world.get_resource().copied().unwrap_or_default(),
+            shore: world.get_resource().copied(),
             mechanisms: world.get_resource().copied().unwrap_or_default(),
         }
     }
@@ -101,6 +105,7 @@ impl Fixtures {
             world.spawn((Sun { strength }, Transform::from_rotation(rotation)));
         }
         world.insert_resource(self.sky);
+        place::set_shore(world, self.shore);
         world.insert_resource(self.mechanisms);
     }
 
@@ -114,6 +119,7 @@ impl Fixtures {
             sun: self.sun.map(|(rotation, strength)| SunLight { direction: rotation * Vec3::Z, strength }),
             sky: self.sky,
             ground,
+            shore: self.shore,
             ..Scene::default()
         }
     }
@@ -141,6 +147,10 @@ impl Fixtures {
         if let Some((rotation, strength)) = self.sun {
             hold(positive(strength), "sun", "strength", strength)?;
             hold(turned(rotation), "sun", "rotation", rotation)?;
+        }
+        if let Some(shore) = self.shore {
+            hold(shore.azimuth_deg.is_finite(), "shore", "azimuth_deg", shore.azimuth_deg)?;
+            hold(shore.distance_m.is_finite(), "shore", "distance_m", shore.distance_m)?;
         }
         hold(positive(self.sky.strength), "sky", "strength", self.sky.strength)
     }

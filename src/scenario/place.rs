@@ -7,7 +7,8 @@ use bevy::math::ops;
 use bevy::prelude::*;
 
 use super::{EditError, PlacedLamp, PlacedSolid, PlacedSun, Planting, Scenario};
-use crate::environment::{Ground, Lamp, Solid, Sun};
+use crate::environment::obstacles::touches;
+use crate::environment::{Ground, Lamp, Shore, Solid, StandingSolid, Sun, standing_solids};
 use crate::plant::{Plant, PlantRecord};
 use crate::species::Species;
 
@@ -28,12 +29,44 @@ pub(super) fn finite(field: &'static str, at: Vec3) -> Result<(), EditError> {
     Err(EditError::Invalid { field, value: at.to_string(), allowed: "metres, at most 10 km from the origin" })
 }
 
+/// Deepest a seed may lie, metres below the ground.
+pub(crate) const DEEPEST_SEED_M: f32 = 0.1;
+
+/// Whether a seed lies in a solid; one on top of it does not.
+pub(crate) fn lies_in(solid: &StandingSolid, at: Vec3) -> bool {
+    const ON_TOP: Vec3 = Vec3::new(0.0, 0.002, 0.0);
+    touches(solid, at + ON_TOP, at + ON_TOP, 0.0)
+}
+
+/// Refuses to sow where nothing can come up.
+pub(super) fn can_come_up(world: &mut World, at: Vec3) -> Result<(), EditError> {
+    finite("at", at)?;
+    let refused = |allowed| Err(EditError::Invalid { field: "at", value: at.to_string(), allowed });
+    if world.get_resource::<Ground>().and_then(|ground| ground.0).is_some_and(|y| at.y < y - DEEPEST_SEED_M) {
+        return refused("at most 0.1 m below the ground");
+    }
+    let mut solids = world.query::<(&Solid, &Transform)>();
+    if standing_solids(solids.iter(world)).iter().any(|solid| lies_in(solid, at)) {
+        return refused("a place outside of every solid");
+    }
+    Ok(())
+}
+
 /// Makes the world's sky, ground and settings a scenario's.
 pub(crate) fn set_conditions(world: &mut World, scenario: &Scenario) {
     world.insert_resource(scenario.sky);
     world.insert_resource(Ground(scenario.ground.then_some(0.0)));
+    set_shore(world, scenario.shore);
     world.insert_resource(scenario.mechanisms);
     world.insert_resource(scenario.sensing);
+}
+
+/// Has a world lie at a sea, or at none.
+pub(super) fn set_shore(world: &mut World, shore: Option<Shore>) {
+    match shore {
+        Some(shore) => world.insert_resource(shore),
+        None => drop(world.remove_resource::<Shore>()),
+    }
 }
 
 pub(crate) fn sow(world: &mut World, planting: &Planting, species: Arc<Species>, seed: u64) -> Entity {
@@ -51,8 +84,7 @@ pub(crate) fn set_solid(world: &mut World, solid: &PlacedSolid) -> Entity {
     let placed = world.spawn((
         Name::new(solid.name.clone()),
         Solid { shape: solid.shape, color: solid.color.linear() },
-        Transform::from_translation(solid.at)
-            .with_rotation(Quat::from_rotation_y(solid.turn_deg.to_radians())),
+        Transform::from_translation(solid.at).with_rotation(solid.rotation()),
     ));
     placed.id()
 }
@@ -78,6 +110,22 @@ pub(super) fn set_sun(world: &mut World, sun: Option<PlacedSun>) {
 
 pub(crate) fn raise_sun(world: &mut World, sun: &PlacedSun) -> Entity {
     world.spawn((Sun { strength: sun.strength }, Transform::from_rotation(sun.rotation()))).id()
+}
+
+impl PlacedSolid {
+    fn rotation(&self) -> Quat {
+        Quat::from_rotation_y(self.turn_deg.to_radians())
+    }
+
+    /// As the environment sees it.
+    pub(crate) fn standing(&self) -> StandingSolid {
+        StandingSolid {
+            shape: self.shape,
+            position: self.at,
+            rotation: self.rotation(),
+            color: self.color.linear(),
+        }
+    }
 }
 
 impl PlacedSun {

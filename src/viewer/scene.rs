@@ -6,7 +6,7 @@ use bevy::gizmos::transform_gizmo::{TransformGizmoFocus, TransformGizmoState};
 use bevy::prelude::*;
 
 use super::state::{Chosen, Course, Doomed, Shown};
-use crate::environment::{Lamp, Solid, Sun};
+use crate::environment::{Lamp, Shore, Solid, Sun};
 use crate::plant::{OrganKind, Snapshot};
 use crate::render::{Drawn, Ghost, Look, Marks, StepFraction};
 use crate::scenario::{Fixtures, View};
@@ -182,6 +182,10 @@ pub(super) fn show_things(
         commands.spawn((TheSun, Sun { strength }, Transform::from_rotation(rotation)));
     }
     commands.insert_resource(standing.sky);
+    match standing.shore {
+        Some(shore) => commands.insert_resource(shore),
+        None => commands.remove_resource::<Shore>(),
+    }
 }
 
 /// Keeps the gizmo on the thing that is chosen.

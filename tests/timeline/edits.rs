@@ -107,6 +107,19 @@ fn new_edits_read_back_and_are_checked() {
     assert_eq!(wrong("Shine(name: \"a\", strength: 1, radius: 1)"), "edits[0].edit.name");
 }
 
+#[test]
+fn nothing_is_sown_in_a_wall_or_deep_underground() {
+    let mut garden = grown(small(), 1, 1);
+    let wall = garden.scenario().solids[0].at;
+    let sown = |at| Edit::Plant(Planting { species: "lam_king".into(), at, ..default() });
+    for at in [wall, Vec3::new(3.0, -1.0, 3.0)] {
+        let refused = apply(garden.world_mut(), &sown(at));
+        assert!(matches!(refused, Err(EditError::Invalid { field: "at", .. })), "{at}: {refused:?}");
+    }
+    assert_eq!(garden.snapshot().plants.len(), 1);
+    apply(garden.world_mut(), &sown(Vec3::new(3.0, 0.0, 3.0))).unwrap();
+}
+
 /// What someone might do next.
 #[derive(Debug, Clone)]
 enum Act {

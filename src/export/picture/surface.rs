@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use super::camera::Camera;
 use super::look::Palette;
 use super::noise::{fract, hash, mix, rough, smooth, unit, value};
+use super::shore;
 use crate::environment::trace::{Hit, Seen};
 use crate::environment::{LeafPatch, Scene, SolidShape, StandingSolid};
 use crate::shape::bark::{Bark, Grain};
@@ -65,7 +66,11 @@ impl Surface {
             }
             Seen::Solid(i) => wall(&scene.solids[i as usize], point, hit.normal, footprint),
             Seen::Lamp(_) => Self::matt(Vec3::new(0.55, 0.53, 0.48), hit.normal),
-            Seen::Ground | Seen::Sky => Self::matt(meadow(palette, point, view, footprint), hit.normal),
+            Seen::Ground | Seen::Sky => {
+                let meadow = meadow(palette, point, view, footprint);
+                let color = scene.shore.map_or(meadow, |sea| shore::color(&sea, point, footprint, meadow));
+                Self::matt(color, hit.normal)
+            }
         }
     }
 }

@@ -70,8 +70,14 @@ pub(super) fn show_tufts(
     }
 }
 
+/// Marks blades of grass on screen.
+#[derive(Component)]
+pub(super) struct Blades;
+
 fn tufts(meadow: &Meadow) -> impl Bundle {
     (
+        Blades,
+        Visibility::default(),
         Mesh3d(meadow.grass.clone()),
         MeshMaterial3d(meadow.blades.clone()),
         NotShadowCaster,

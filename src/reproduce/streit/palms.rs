@@ -8,12 +8,11 @@ use bevy::prelude::Transform;
 use super::plants::{daylight, looks, ratio, row, same_species};
 use super::{csv, models};
 use crate::assets::Library;
+use crate::environment::Shore;
 use crate::environment::trace::Tracer;
 use crate::environment::workers::Workers;
-use crate::environment::{Solid, SolidShape, StandingSolid};
-use crate::export::picture::{Bounds, Camera, Palette, PictureSettings, render};
+use crate::export::picture::{Bounds, Camera, PictureSettings, render};
 use crate::reproduce::{Claim, Findings, ReproduceError};
-use crate::species::parameter::Color;
 use crate::tropism::vary::{Variation, vary};
 
 /// Figure 14: a grove of palms from one base model, three of them tilted by their target.
@@ -98,23 +97,10 @@ pub fn palms(
         },
         same_species(&model.skeleton, &vary(&model.skeleton, &variation, *seeds.start())?),
     ];
-    let sea = Solid {
-        color: [0.05, 0.21, 0.28],
-        ..Solid::new(SolidShape::Box { size: Vec3::new(4000.0, 0.3, 3000.0) })
-    };
-    let position = Vec3::new(0.0, -0.1, -1516.0);
-    scene.solids.push(StandingSolid {
-        shape: sea.shape,
-        position,
-        rotation: Quat::IDENTITY,
-        color: sea.color,
-    });
-    let sand = Vec3::from(Color::hex(0xE2D3A8).linear());
-    let palette = Palette { grass: sand, earth: sand * 0.92, ..looks(&library.species("palm")?, 0xFFFFFF) };
+    scene.shore = Some(Shore { azimuth_deg: 180.0, distance_m: 11.0 });
+    let palette = looks(&library.species("palm")?, 0xFFFFFF);
     let wide = PictureSettings { width: size.width * 4, height: size.height * 8 / 5, ..size };
-    let mut shore = scene.clone();
-    shore.solids.clear();
-    let camera = Camera::framing(&Bounds::of(&shore), 4.0, 5.0, wide.aspect());
+    let camera = Camera::framing(&Bounds::of(&scene), 4.0, 5.0, wide.aspect());
     let picture = render(&Tracer::build(&scene), &camera, &palette, wide, workers);
     let header = ["palm", "x_m", "z_m", "target_tilt_deg", "lean_deg", "height_m"];
     let base = row(&[(&model, &model.skeleton, "base model".into())], palette, 4.0, size, workers);

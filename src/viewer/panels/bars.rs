@@ -213,6 +213,7 @@ mod tests {
             solids: Vec::new(),
             lamps: Vec::new(),
             sun: None,
+            shore: None,
             sky: default(),
             mechanisms: default(),
         };
