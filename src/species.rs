@@ -139,7 +139,7 @@ parameters! {
         light_cell_m: f32 = 0.0, "m", Range::real(0.0, 10.0);
         /// Distance beyond which free space no longer counts.
         space_range_m: f32 = 1.0, "m", Range::real(0.01, 1000.0);
-        /// Disturbance: random crookedness of a new shoot, standard deviation, sensed and corrected later: 0 none, 20 zigzag.
+        /// Disturbance: random crookedness of a new shoot, standard deviation, sensed and corrected later: 0 none, 20 zigzag, 90 no course at all.
         wander_deg: f32 = 0.0, "deg", Range::real(0.0, 90.0);
 
         // Energy
@@ -231,9 +231,9 @@ parameters! {
         nutation_deg: f32 = 0.0, "deg", Range::real(0.0, 90.0);
         /// Length grown while nutation circles once: a hundredth of a shoot makes a fine screw, all of it one bow.
         nutation_m: f32 = 1.0, "m", Range::real(0.001, 1000.0);
-        /// Phototropism by order: weight in the target of the heading that light and space chose; 0 is blind to them.
+        /// Phototropism by order: weight in the target of the heading that light and space chose; 0 is blind to them, 100 to all else.
         phototropism: ByOrder = ByOrder::all(1.0), "", Range::real(0.0, 100.0);
-        /// Gravitropism by order: weight of up in the target; below 0 of down, and shoots hang.
+        /// Gravitropism by order: weight of up in the target; below 0 of down, and shoots hang; 100 stands every shoot upright, -100 lets it hang straight, both blind to light.
         gravitropism: ByOrder = ByOrder::all(0.0), "", Range::real(-100.0, 100.0);
         /// Orthotropism by order: weight of up that an axis reaches only with length; large turns its end upright.
         orthotropism: ByOrder = ByOrder::all(0.0), "", Range::real(0.0, 100.0);

@@ -314,6 +314,7 @@ fn siblings_of_plants_from_anywhere() {
         let (out, _) =
             ends(at, &format!("vary {arguments} --count 3 --sheet-only --force --out siblings"), 0);
         let table = std::fs::read_to_string(at.join("siblings/siblings.csv")).unwrap();
+        ends(at, "check siblings/sibling_001.ron", 0);
         let rows: Vec<Vec<f64>> =
             table.lines().skip(1).map(|row| row.split(',').map(|n| n.parse().unwrap()).collect()).collect();
         assert_eq!(rows.len(), 4, "{out}");
@@ -361,11 +362,15 @@ fn siblings_of_plants_from_anywhere() {
 fn figures_of_streit_hold_and_the_meter_tells_what_is_stable() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    for figure in ["streit-3", "streit-7", "streit-8", "streit-9"] {
+    for figure in [3, 4, 7, 8, 9, 10, 11, 12, 13, 14].map(|figure| format!("streit-{figure}")) {
         let claims = json(at, &format!("reproduce {figure} --json --out {figure}"));
         let claims = claims.as_array().unwrap();
         assert!(!claims.is_empty() && claims.iter().all(|claim| claim["holds"] == true), "{claims:?}");
-        assert!(at.join(figure).join("figure.png").exists());
+        let left = |kind: &str| {
+            let files = std::fs::read_dir(at.join(&figure)).unwrap();
+            files.filter(|file| file.as_ref().unwrap().path().extension().is_some_and(|e| e == kind)).count()
+        };
+        assert!(at.join(&figure).join("figure.png").exists() && left("csv") > 0, "{figure}");
     }
     let meter = |ratio: f32| ends(at, &format!("stability --lag 10 --ratio {ratio}"), 0).0;
     assert!(meter(1.0).contains("stable") && !meter(1.0).contains("unstable"), "{}", meter(1.0));

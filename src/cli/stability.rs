@@ -47,7 +47,8 @@ impl StabilityMeter {
         say(match read.verdict {
             Verdict::Fades => "stable: an error fades without swinging",
             Verdict::Converges => "stable: an error swings and fades",
-            Verdict::Swings => "at the edge: an error swings by the same amount for ever",
+            Verdict::Swings if read.stable => "stable, at the edge: an error swings and hardly fades",
+            Verdict::Swings => "unstable, at the edge: an error swings hardly wider each time",
             Verdict::Diverges => "unstable: an error swings ever wider",
         });
         let period = read.period.map_or("none".into(), |period| format!("{period:.1} sub-steps"));

@@ -28,7 +28,7 @@ const SHEET: usize = 24;
 /// Most siblings of one run.
 const MOST: i64 = 100_000;
 
-/// Grow siblings of a finished plant: as many nodes, as long, none like another. They know neither walls nor ground.
+/// Grow siblings of a finished plant: as many nodes, as long, none like another, each as a picture and a skeleton file. They know neither walls nor ground.
 #[derive(Args, Debug)]
 pub struct Vary {
     /// A scenario or species by name, a scenario file, a run.ron, a save, a skeleton file or an MTG.
@@ -88,7 +88,7 @@ pub struct Vary {
     #[arg(long, value_name = "METRES")]
     sub_step: Option<f32>,
 
-    /// Write no picture of each sibling, only the sheet and the table.
+    /// Write no picture of each sibling, only the sheet, the table and the skeletons.
     #[arg(long)]
     sheet_only: bool,
 }
@@ -119,6 +119,8 @@ impl Vary {
         let single = |n: usize| if n == 0 { "base.png".into() } else { format!("sibling_{n:03}.png") };
         let pictures = if self.sheet_only { 0 } else { self.count as usize + 1 };
         files.extend((0..pictures).map(single));
+        let plant = |n: usize| format!("sibling_{n:03}.ron");
+        files.extend((1..=self.count as usize).map(plant));
         let names: Vec<&str> = files.iter().map(String::as_str).collect();
         let mut folder = self.output.folder(&format!("{name}-siblings"), &names)?;
 
@@ -130,6 +132,10 @@ impl Vary {
         folder.create()?;
         let all: Vec<&Skeleton> = core::iter::once(&base).chain(&grown).collect();
         folder.text("siblings.csv", &table(&all))?;
+        for (n, sibling) in (1..).zip(&grown) {
+            let name = format!("sibling_{n:03}");
+            folder.text(&plant(n), &SkeletonFile::of(sibling, &name, &species.name).to_ron())?;
+        }
         let shown = if self.sheet_only { all.len().min(SHEET + 1) } else { all.len() };
         let images = draw(&all[..shown], &species, &workers);
         for (n, image) in images.iter().enumerate().take(pictures) {

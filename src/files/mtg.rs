@@ -211,6 +211,12 @@ impl Reader<'_> {
                 continue;
             }
             let length = vertex.features[LENGTH];
+            if length.is_some_and(|length| length < 0.0) {
+                return self.wrong(vertex.line, "a length is 0 m or more");
+            }
+            if vertex.features[DIAMETER].is_some_and(|diameter| diameter < 0.0) {
+                return self.wrong(vertex.line, "a diameter is 0 m or more");
+            }
             let along = heading.or_else(|| below.map(|below| below.pose.rotation * Vec3::Y));
             let way = match (heading, length, place) {
                 (Some(heading), Some(length), _) => place.or(from).map(|base| (base, heading * length)),
@@ -230,7 +236,7 @@ impl Reader<'_> {
             let Some(along) = way.try_normalize() else {
                 return self.wrong(vertex.line, "the stem is 0 m long");
             };
-            let radius = vertex.features[DIAMETER].map_or(RADIUS_M, |diameter| 0.5 * diameter.max(0.0));
+            let radius = vertex.features[DIAMETER].map_or(RADIUS_M, |diameter| 0.5 * diameter);
             let pose = Pose { position: base, rotation: turned_to(frame, along) };
             let order = below.map_or(0, |below| below.order + u32::from(!vertex.follows));
             (ends[i], stems[i]) = (Some(base + way), Some(skeleton.segments.len() as u32));

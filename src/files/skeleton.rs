@@ -15,10 +15,11 @@
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::ron_text::{invalid, parse};
+use super::ron_text::{differing, file_of, invalid, list_of, parse, short};
 use super::source::Source;
 use super::{FARTHEST_M, FileError, VERSION, species, top_fields};
 use crate::limits;
+use crate::plant::NO_PARENT;
 use crate::plant::skeleton::Skeleton;
 use crate::species::parameter::Range;
 
@@ -103,6 +104,66 @@ impl SkeletonFile {
         Ok((read, skeleton))
     }
 
+    /// The file of a skeleton whose plant has the leaves and colours of a species. A stem's radii are those of its two
+    /// ends.
+    pub fn of(skeleton: &Skeleton, name: &str, species: &str) -> Self {
+        let mut file = Self { name: name.into(), species: species.into(), ..Self::default() };
+        // Stem and point at which each segment ends.
+        let mut ends: Vec<(u32, u32)> = Vec::with_capacity(skeleton.segments.len());
+        for segment in &skeleton.segments {
+            let below = (segment.parent != NO_PARENT).then(|| segment.parent as usize);
+            let goes_on = below.filter(|&below| {
+                let (stem, point) = ends[below];
+                let is_end = file.stems[stem as usize].points.len() == point as usize + 1;
+                is_end && skeleton.segments[below].order == segment.order
+            });
+            match goes_on {
+                Some(below) => {
+                    let (stem, point) = ends[below];
+                    file.stems[stem as usize].points.push(segment.tip());
+                    file.stems[stem as usize].radii.1 = segment.radius;
+                    ends.push((stem, point + 1));
+                }
+                None => {
+                    ends.push((file.stems.len() as u32, 1));
+                    file.stems.push(Stem {
+                        on: below.map(|below| ends[below]),
+                        points: vec![segment.pose.position, segment.tip()],
+                        radii: (segment.radius, segment.radius),
+                    });
+                }
+            }
+        }
+        let leaves = skeleton.leaves.iter();
+        file.leaves = leaves
+            .map(|leaf| StemLeafAt {
+                on: ends[leaf.on as usize],
+                heading: leaf.pose.heading(),
+                size: leaf.size,
+            })
+            .collect();
+        file
+    }
+
+    /// As RON that lists only what differs from the defaults; reads back as exactly this.
+    pub fn to_ron(&self) -> String {
+        let mut fields = differing(self, &Self::default(), &["version", "name", "species", "stems"]);
+        for (name, value) in &mut fields {
+            match name.as_str() {
+                "stems" => {
+                    let from = Stem::default();
+                    *value = list_of(self.stems.iter().map(|stem| short(stem, &from, &["points"])));
+                }
+                "leaves" => {
+                    let from = StemLeafAt::default();
+                    *value = list_of(self.leaves.iter().map(|leaf| short(leaf, &from, &["on", "heading"])));
+                }
+                _ => {}
+            }
+        }
+        file_of(&fields)
+    }
+
     /// The skeleton, or the path of the first field that is wrong, its value and what is allowed.
     fn skeleton(&self) -> Result<Skeleton, (String, String, String)> {
         let wrong = |path: String, value: String, allowed: &str| Err((path, value, allowed.to_string()));
@@ -136,6 +197,16 @@ impl SkeletonFile {
             let radii = [stem.radii.0, stem.radii.1];
             if radii.iter().any(|r| !(*r > 0.0 && *r <= 10.0)) {
                 return wrong(at("radii"), format!("{radii:?}"), "above 0 to 10 m");
+            }
+            // Its wood begins in that of the other.
+            if let Some((below, point)) = stem.on {
+                let below = &self.stems[below as usize];
+                let (from, reach) =
+                    (below.points[point as usize], below.radii.0.max(below.radii.1).max(0.01));
+                if stem.points[0].distance(from) > reach {
+                    let allowed = format!("a first point within {reach} m of {from}, from which it grows");
+                    return wrong(at("points"), stem.points[0].to_string(), &allowed);
+                }
             }
             made.push(skeleton.add_stem(on, &stem.points, radii));
         }
@@ -176,6 +247,7 @@ fn allowed(path: &[String]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plant::skeleton::StemSegment;
 
     const LILY: &str = "(stems: [(points: [(0, 0, 0), (0, 0.5, 0), (0, 1, 0)]),
         (on: (0, 1), points: [(0, 0.5, 0), (0.3, 0.6, 0)], radii: (0.002, 0.001))],
@@ -192,6 +264,21 @@ mod tests {
     }
 
     #[test]
+    fn a_skeleton_is_written_and_read_back() {
+        let (file, skeleton) = SkeletonFile::from_ron(LILY, "lily.ron").unwrap();
+        let written = SkeletonFile::of(&skeleton, &file.name, &file.species);
+        let (again, read) = SkeletonFile::from_ron(&written.to_ron(), "again.ron").unwrap();
+        assert_eq!(again, written);
+        assert_eq!((&again.stems[1].on, again.stems.len()), (&Some((0, 1)), 2));
+        let near = |(a, b): (&StemSegment, &StemSegment)| {
+            let turned = a.pose.heading().distance(b.pose.heading()) < 1e-6;
+            turned && a.tip().distance(b.tip()) < 1e-6 && (a.parent, a.radius) == (b.parent, b.radius)
+        };
+        assert!(read.segments.iter().zip(&skeleton.segments).all(near) && read.nodes() == skeleton.nodes());
+        assert!(read.leaves[0].pose.heading().distance(Vec3::X) < 1e-6);
+    }
+
+    #[test]
     fn what_is_wrong_with_one_is_told() {
         for (bad, told) in [
             ("(stems: [])", "stems"),
@@ -200,6 +287,10 @@ mod tests {
             ("(stems: [(points: [(0, 0, 0), (0, inf, 0)])])", "stems[0].points"),
             ("(stems: [(on: (0, 1), points: [(0, 0, 0), (0, 1, 0)])])", "stems[0].on"),
             ("(stems: [(points: [(0, 0, 0), (0, 1, 0)], radii: (0, 0))])", "stems[0].radii"),
+            (
+                "(stems: [(points: [(0, 0, 0), (0, 1, 0)]), (on: (0, 1), points: [(1, 1, 0), (2, 1, 0)])])",
+                "stems[1].points",
+            ),
             ("(stems: [(points: [(0, 0, 0), (0, 1, 0)])], leaves: [(on: (0, 2))])", "leaves[0].on"),
             (
                 "(stems: [(points: [(0, 0, 0), (0, 1, 0)])], leaves: [(heading: (0, 0, 0))])",

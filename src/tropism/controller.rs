@@ -12,9 +12,10 @@ use crate::species::Species;
 
 /// Errors below this are not felt, radians: rounding must not grow into a bend where control is unstable.
 const THRESHOLD: f32 = 1e-6;
-/// Turns below this are rounding, radians. A tip whose gain is small comes to rest this far over the gain from its
-/// target.
+/// Turns below this are rounding, radians.
 const ROUNDING: f32 = 2e-7;
+/// Turns below this would be lost in rounding, radians: they wait until they have added up to so much.
+const LEAST_TURN: f32 = 1e-6;
 
 /// How far a growing bud has steered. Signals on their way are in [`Signals`], which comes with it.
 #[derive(Component, Debug, Clone, Copy, PartialEq, Default, Reflect, Serialize, Deserialize)]
@@ -187,7 +188,11 @@ pub fn step(
     let sensed = leaned(influence.sensing);
     let correction = control.correction(error(sensed, goal), signals, first);
     signals.send(correction, control.lag);
-    let response = signals.receive() + influence.disturbance;
+    let mut response = signals.receive() + influence.disturbance;
+    if response.length_squared() < LEAST_TURN * LEAST_TURN {
+        signals.send(response, 0);
+        response = Vec2::ZERO;
+    }
     (frame * leaned(response)).try_normalize().unwrap_or(target)
 }
 

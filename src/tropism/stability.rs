@@ -34,6 +34,8 @@ pub struct Stability {
     pub ratio: f32,
     /// The ratio below which an error grows.
     pub critical_ratio: f32,
+    /// Whether an error fades.
+    pub stable: bool,
     /// What becomes of an error.
     pub verdict: Verdict,
     /// Factor by which the error changes in a sub-step.
@@ -42,13 +44,6 @@ pub struct Stability {
     pub period: Option<f32>,
     /// Damping ratio: 1 fades without swinging, 0 swings for ever, below 0 grows.
     pub damping: f32,
-}
-
-impl Stability {
-    /// Whether an error fades.
-    pub fn is_stable(&self) -> bool {
-        self.gain < critical_gain(self.lag) && self.gain > 0.0
-    }
 }
 
 /// The gain from which on an error does not fade: 2 cos(lag pi / (2 lag + 1)).
@@ -75,6 +70,7 @@ pub fn stability(control: &Control) -> Result<Stability, OutOfRange> {
         gain,
         ratio: control.ratio(),
         critical_ratio: 1.0 / (critical * lag.max(1) as f32),
+        stable: gain < critical,
         verdict: match angle > 0.0 {
             _ if near => Verdict::Swings,
             _ if gain > critical => Verdict::Diverges,
@@ -195,7 +191,7 @@ mod tests {
                 let control = Control::new(share * critical_gain(lag), lag).unwrap();
                 let errors = response(&control, 400);
                 let late = errors[300..].iter().fold(0.0_f32, |most, e| most.max(e.abs()));
-                assert_eq!(late < 1.0, stability(&control).unwrap().is_stable(), "lag {lag}, {share}");
+                assert_eq!(late < 1.0, stability(&control).unwrap().stable, "lag {lag}, {share}");
             }
         }
     }

@@ -389,7 +389,7 @@ pub fn upward(
     ];
     let mut plants = vec![(&models[0], models[0].skeleton.clone(), "base model".to_string())];
     for (model, r) in models[1..].iter().zip(ratios) {
-        plants.push((model, vary(&model.skeleton, &variation(r)?, 1)?, format!("ratio {r}")));
+        plants.push((model, vary(&model.skeleton, &variation(r)?, *seeds.start())?, format!("ratio {r}")));
     }
     let views: Vec<_> =
         plants.iter().map(|(model, skeleton, caption)| (*model, skeleton, caption.clone())).collect();
