@@ -111,7 +111,7 @@ impl SkeletonFile {
         // Stem and point at which each segment ends.
         let mut ends: Vec<(u32, u32)> = Vec::with_capacity(skeleton.segments.len());
         for segment in &skeleton.segments {
-            let below = (segment.parent != NO_PARENT).then(|| segment.parent as usize);
+            let below = (segment.parent != NO_PARENT).then_some(segment.parent as usize);
             let goes_on = below.filter(|&below| {
                 let (stem, point) = ends[below];
                 let is_end = file.stems[stem as usize].points.len() == point as usize + 1;
