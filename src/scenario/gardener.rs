@@ -1,7 +1,7 @@
 //! A gardener: tends a [`Timeline`] on a thread of its own, so that whoever asks never waits.
 //!
 //! Orders go in, news come out; neither ever blocks the caller. Orders are obeyed between two steps, so from an edit
-//! to the first snapshot that shows it is at most the rest of one step, and the three steps after an edit, in which it
+//! to the first snapshot that shows it is at most the rest of one step, and the four steps after an edit, in which it
 //! is seen and answered, do not wait for their beat. What grows is the same as without a gardener: the clock decides when a
 //! step is grown, never how.
 //!

@@ -42,8 +42,9 @@ pub(super) struct Work {
 }
 
 /// Steps until an edit is answered: buds see what was changed at the end of the next, a correction is sent in the one
-/// after, and a shoot of a single internode, whose signals are one sub-step late, turns in the third.
-const ANSWER: u8 = 3;
+/// after, and a shoot of a single internode, whose signals are one sub-step late, turns in the third, or in the fourth if
+/// it had nothing to grow with in one of them.
+const ANSWER: u8 = 4;
 
 impl Work {
     pub fn new(
