@@ -64,8 +64,7 @@ pub(super) fn grow(
                 of(&|t| t.collisions[0] as f64),
                 of(&|t| t.collisions[1] as f64),
             ),
-            // The odd tree has its branches collide in either.
-            holds: in_b < 0.5 * in_a && 2 * fewer > n,
+            holds: fewer == n,
         },
         Claim {
             row: "LK-17",

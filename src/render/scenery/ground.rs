@@ -125,20 +125,21 @@ fn ground_mesh() -> Mesh {
         let v = k as f32 / CELLS as f32 * 2.0 - 1.0;
         v.signum() * v.abs().powi(3) * REACH
     };
-    let (mut positions, mut uvs, mut colors) = (Vec::new(), Vec::new(), Vec::new());
-    for j in 0..=CELLS {
-        for i in 0..=CELLS {
-            let (x, z) = (place(i), place(j));
-            positions.push([x, 0.0, z]);
-            uvs.push([x / TILE, z / TILE]);
-            colors.push(patch(x, z));
-        }
-    }
+    let places: Vec<f32> = (0..=CELLS).map(place).collect();
+    grid(&places, &places, TILE, patch)
+}
+
+/// A level grid with its vertices at these x and z, under an image whose tile has a side in metres, coloured by place.
+pub(super) fn grid(xs: &[f32], zs: &[f32], tile: f32, color: impl Fn(f32, f32) -> [f32; 4]) -> Mesh {
+    let places = || zs.iter().flat_map(|&z| xs.iter().map(move |&x| (x, z)));
+    let positions: Vec<_> = places().map(|(x, z)| [x, 0.0, z]).collect();
+    let uvs: Vec<_> = places().map(|(x, z)| [x / tile, z / tile]).collect();
+    let colors: Vec<_> = places().map(|(x, z)| color(x, z)).collect();
     let mut indices = Vec::new();
-    for j in 0..CELLS {
-        for i in 0..CELLS {
-            let a = (j * (CELLS + 1) + i) as u32;
-            let (b, c, d) = (a + 1, a + CELLS as u32 + 1, a + CELLS as u32 + 2);
+    for j in 1..zs.len() {
+        for i in 1..xs.len() {
+            let d = (j * xs.len() + i) as u32;
+            let (a, b, c) = (d - xs.len() as u32 - 1, d - xs.len() as u32, d - 1);
             indices.extend([a, c, b, b, c, d]);
         }
     }

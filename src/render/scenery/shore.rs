@@ -1,12 +1,10 @@
 //! A beach and the sea before it: a strip of sand on the meadow, and water on the strip.
 
-use bevy::asset::RenderAssetUsages;
 use bevy::light::NotShadowCaster;
-use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::prelude::*;
 use bevy::render::render_resource::TextureFormat;
 
-use super::ground::Blades;
+use super::ground::{Blades, grid};
 use crate::environment::{Ground, Shore};
 use crate::render::noise::tile;
 use crate::shape::noise::{periodic, smooth, srgb};
@@ -123,36 +121,15 @@ fn at_sea(along: f32, out: f32) -> Vec4 {
 }
 
 /// A grid along the shore, of a colour by place.
-fn strip(rows: &[f32], side: f32, color: impl Fn(f32, f32) -> Vec4) -> Mesh {
+fn strip(rows: &[f32], tile: f32, color: impl Fn(f32, f32) -> Vec4) -> Mesh {
     let along = |k: usize| {
         let v = k as f32 / CELLS as f32 * 2.0 - 1.0;
         (0.12 * v + 0.88 * v.powi(3)) * REACH
     };
-    let (mut positions, mut uvs, mut colors) = (Vec::new(), Vec::new(), Vec::new());
-    for &out in rows {
-        for k in 0..=CELLS {
-            let x = along(k);
-            positions.push([x, 0.0, out]);
-            uvs.push([x / side, out / side]);
-            colors.push(color(x, out).to_array());
-        }
-    }
-    let mut indices = Vec::new();
-    for row in 0..rows.len() - 1 {
-        for k in 0..CELLS {
-            let a = (row * (CELLS + 1) + k) as u32;
-            let (b, c, d) = (a + 1, a + CELLS as u32 + 1, a + CELLS as u32 + 2);
-            indices.extend([a, c, b, b, c, d]);
-        }
-    }
-    let count = positions.len();
-    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::RENDER_WORLD)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0, 1.0, 0.0]; count])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[1.0, 0.0, 0.0, 1.0]; count])
-        .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs)
-        .with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, colors)
-        .with_inserted_indices(Indices::U32(indices))
+    let along: Vec<f32> = (0..=CELLS).map(along).collect();
+    let mesh = grid(&along, rows, tile, |x, out| color(x, out).to_array());
+    let count = mesh.count_vertices();
+    mesh.with_inserted_attribute(Mesh::ATTRIBUTE_TANGENT, vec![[1.0, 0.0, 0.0, 1.0]; count])
 }
 
 /// Dry sand from above.
