@@ -11,7 +11,10 @@ pub mod obstacles;
 pub mod plugin;
 pub mod probe;
 pub mod scene;
+pub mod segment;
 pub mod sense;
+pub mod standing_wood;
+pub mod stem_grid;
 pub mod trace;
 pub mod workers;
 

@@ -90,6 +90,7 @@ impl Plugin for GrowthPlugin {
             .init_resource::<nodes::FreshNodes>()
             .init_resource::<generation::Condemned>()
             .init_resource::<share::Claims>()
+            .init_resource::<crate::environment::standing_wood::StandingWood>()
             .init_resource::<sensing::SensingJob>()
             .init_resource::<sensing::ProbeCount>()
             .init_resource::<crate::limits::GrowthLimits>()
@@ -127,6 +128,7 @@ fn growth_step() -> Schedule {
         (
             sprouts::sprout,
             buds::wake_lateral_buds,
+            shoots::gather_wood,
             shoots::extend_shoots,
             nodes::form_nodes,
             nodes::unfold_leaves,

@@ -131,6 +131,8 @@ parameters! {
         set_point_old_deg: ByOrder = ByOrder::none(), "deg", Range::real(0.0, 180.0);
         /// Height above the ground at which shoots of side axes stop; 0: they stop on it.
         ground_clearance_m: f32 = 0.0, "m", Range::real(0.0, 100.0);
+        /// Whether its shoots grow round wood in their way, their own plant's and others', instead of through it.
+        avoids_wood: bool = false, "", Range::any();
         /// Positions a bud compares, the straight one included.
         candidates: u32 = 17, "", Range::whole(1, 256);
         /// Whether light and space are stretched to 0..1 over the candidates before they are weighed.
@@ -175,12 +177,12 @@ parameters! {
         shed_share: f32 = 0.2, "", Range::real(0.0, 1.0);
 
         // Vigour (allocation ByVigour)
-        /// Apical control by order of the main axis: above 0.5 favours it over its laterals.
-        apical_control: ByOrder = ByOrder::all(0.5), "", Range::real(0.0, 1.0);
+        /// Apical control by order of the main axis: above 0 favours it over its laterals, 0.1 makes a spire, below 0 favours them.
+        apical_control: ByOrder = ByOrder::all(0.0), "", Range::real(-1.0, 1.0);
         /// Change of apical control each step of the plant's age.
         apical_control_ageing: f32 = 0.0, "1/step", Range::real(-1.0, 1.0);
         /// Apical control does not fall below this with age.
-        apical_control_least: f32 = 0.0, "", Range::real(0.0, 1.0);
+        apical_control_least: f32 = -1.0, "", Range::real(-1.0, 1.0);
         /// Most internodes a bud grows in one step, by order.
         flush_internodes: ByOrder = ByOrder::all(4.0), "", Range::real(0.0, 100.0);
         /// Most internodes a bud grows in one step when the plant is old, by order; empty: as when it is young.
@@ -247,6 +249,10 @@ parameters! {
         // Calendar
         /// Growth steps in a year.
         steps_per_year: u32 = 1, "1/year", Range::whole(1, 366);
+        /// Steps of a flush, from the first of a year on: after it the plant rests, puts by what it earns and grows nothing; 0: it never rests.
+        flush_steps: u32 = 0, "steps", Range::whole(0, 366);
+        /// Flushes in a year, evenly apart, with a rest after each.
+        flushes: u32 = 1, "1/year", Range::whole(1, 12);
 
         // Looks
         /// Colour of bark on stout stems, sRGB.
@@ -283,6 +289,13 @@ impl Species {
     /// How old a plant is, 0 as a seedling to 1 from the end of its ageing on.
     pub fn maturity(&self, age: u32) -> f32 {
         if self.ageing_steps == 0 { 0.0 } else { (age as f32 / self.ageing_steps as f32).min(1.0) }
+    }
+
+    /// Whether a plant of that age (steps) rests between two flushes.
+    pub fn rests(&self, age: u32) -> bool {
+        // A year that does not divide evenly makes some flushes begin a step later than others.
+        let into_year = (age % self.steps_per_year) * self.flushes % self.steps_per_year;
+        self.flush_steps > 0 && into_year / self.flushes >= self.flush_steps
     }
 
     /// Set-point angle of an axis of a plant as old as that, radians.

@@ -152,7 +152,8 @@ fn bend_stems_bows_a_loaded_limb_and_keeps_the_bow() {
     let bent = nursery.get::<Internode>(first).sag;
     assert!(bent > 0.01, "1.5 m of a thin limb bends at its base: {bent}");
     assert!((nursery.get::<Attachment>(first).0.angle_between(before) - bent).abs() < 1e-3);
-    assert_eq!(nursery.get::<Internode>(trunk).sag, 0.0_f32.max(nursery.get::<Internode>(trunk).sag));
+    let leant = nursery.get::<Internode>(trunk).sag;
+    assert!(leant > 0.0, "what weighs on one side bends the trunk too: {leant}");
     // Ten times as stout it would bend less than it has: what has set stays.
     let stout = Internode { radius: 0.04, ..*nursery.get::<Internode>(first) };
     nursery.set(first, stout);
@@ -239,7 +240,7 @@ fn share_surplus_heeds_favour_and_height() {
     let species = Species {
         allocation: Allocation::ByVigour,
         store_release: 1.0,
-        apical_control: [0.5].into(),
+        apical_control: [0.0].into(),
         flush_internodes: [50.0].into(),
         height_limit_m: 10.0,
         height_limit_power: 1.0,
@@ -301,4 +302,24 @@ fn a_shoot_of_many_segments_gives_each_a_lineage_of_its_own() {
         Form::of(&shot, None).internodes as usize,
         shot.state.iter().filter(|s| s.kind() == OrganKind::Internode).count()
     );
+}
+
+#[test]
+fn income_saturates_with_light_and_full_light_earns_the_same() {
+    use burgeon::growth::energy::light_response;
+    assert_eq!(
+        [0.0, 0.3, 1.0].map(|light| light_response(light, 0.0)),
+        [0.0, 0.3, 1.0],
+        "off: in proportion"
+    );
+    for saturation in [0.5, 2.0, 10.0] {
+        let at = |light| light_response(light, saturation);
+        assert!(at(0.0) == 0.0 && (at(1.0) - 1.0).abs() < 1e-6);
+        assert!(
+            at(0.2) > 0.2 && at(0.2) < at(0.4) && at(0.4) - at(0.2) < at(0.2),
+            "{saturation}: it bends over"
+        );
+    }
+    // (1 + k) L / (L + k) with k = 1/2: half of the light earns 0.75.
+    assert!((light_response(0.5, 2.0) - 0.75).abs() < 1e-6);
 }

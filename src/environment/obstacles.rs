@@ -6,10 +6,11 @@
 
 use bevy::math::{Vec3, ops};
 
-use super::scene::{SolidShape, StandingSolid};
+use super::scene::{Capsule, SolidShape, StandingSolid};
+use super::segment;
 
 /// Room left between a shoot and what it grows along, metres.
-const CLEARANCE: f32 = 1e-4;
+pub(super) const CLEARANCE: f32 = 1e-4;
 /// Distances are reckoned no finer than this, metres.
 const ROUNDING: f32 = 1e-6;
 /// Cosine of the widest turn a shoot takes to slide along a surface: 80 degrees.
@@ -34,9 +35,11 @@ pub struct Advance {
 /// It goes straight if it is free to. Else it turns just enough to pass along the surface it would meet, by
 /// less than 80 degrees and if that gains a useful length; else it stops short of it. The capsule from `from`
 /// meets no solid and does not enter the ground. Where the start is already nearer than `radius` (a seed on
-/// the ground), the shoot comes no nearer than it starts. From inside a solid or underground nothing grows.
+/// the ground), the shoot comes no nearer than it starts. From inside a solid or underground nothing grows; `wood`
+/// in which it begins is what bears it, and no obstacle.
 pub fn advance(
     solids: &[StandingSolid],
+    wood: &[Capsule],
     ground: Option<f32>,
     from: Vec3,
     direction: Vec3,
@@ -49,7 +52,7 @@ pub fn advance(
         return stopped;
     }
     let heading = direction.normalize();
-    let around = Surroundings::new(solids, ground, from, length, radius.max(0.0));
+    let around = Surroundings::new(solids, wood, ground, from, length, radius.max(0.0));
     let Some(around) = around else {
         return stopped;
     };
@@ -98,6 +101,11 @@ pub fn touches(solid: &StandingSolid, from: Vec3, to: Vec3, radius: f32) -> bool
     nearest <= radius + ROUNDING * (10.0 + length + body.start.length())
 }
 
+/// Whether a place lies in a stem or on its bark.
+pub fn is_within(stem: &Capsule, place: Vec3) -> bool {
+    segment::gap((place, place), (stem.from, stem.to)) <= stem.radius + ROUNDING
+}
+
 /// An obstacle seen from where a shoot starts, in its own axes.
 #[derive(Debug, Clone, Copy)]
 struct Body {
@@ -114,6 +122,11 @@ enum BodyForm {
     Block(Vec3),
     Ball(f32),
     Pillar {
+        radius: f32,
+        half: f32,
+    },
+    /// A stem with round ends.
+    Stem {
         radius: f32,
         half: f32,
     },
@@ -140,6 +153,7 @@ impl Surroundings {
     /// Obstacles within reach; `None` if the start lies inside one.
     fn new(
         solids: &[StandingSolid],
+        wood: &[Capsule],
         ground: Option<f32>,
         from: Vec3,
         length: f32,
@@ -151,8 +165,10 @@ impl Surroundings {
             form: BodyForm::Ground,
             keep: 0.0,
         });
+        let solids = solids.iter().filter_map(|solid| Body::solid(solid, from));
+        let wood = wood.iter().filter(|stem| !is_within(stem, from)).map(|stem| Body::stem(stem, from));
         let mut bodies = Vec::new();
-        for mut body in solids.iter().filter_map(|solid| Body::solid(solid, from)).chain(ground) {
+        for mut body in solids.chain(wood).chain(ground) {
             let distance = body.distance(body.start);
             // A seed lies on the ground, give or take a rounding.
             let skin = if matches!(body.form, BodyForm::Ground) { 1e-3 } else { 0.0 };
@@ -206,6 +222,16 @@ impl Body {
         (body.start.is_finite() && body.distance(body.start).is_finite()).then_some(body)
     }
 
+    fn stem(stem: &Capsule, from: Vec3) -> Self {
+        let along = stem.to - stem.from;
+        let upright = along.normalize_or(Vec3::Y);
+        let (across, other) = upright.any_orthonormal_pair();
+        let form = BodyForm::Stem { radius: stem.radius, half: 0.5 * along.length() };
+        let mut body = Self { axes: [across, upright, other], start: Vec3::ZERO, form, keep: 0.0 };
+        body.start = body.inward(from - stem.from.midpoint(stem.to));
+        body
+    }
+
     /// A world vector in the body's axes.
     fn inward(&self, v: Vec3) -> Vec3 {
         Vec3::new(v.dot(self.axes[0]), v.dot(self.axes[1]), v.dot(self.axes[2]))
@@ -228,6 +254,7 @@ impl Body {
                 let (out, up) = (side.max(0.0), end.max(0.0));
                 (out * out + up * up).sqrt() + side.max(end).min(0.0)
             }
+            BodyForm::Stem { radius, half } => beyond(p, half).length() - radius,
             BodyForm::Ground => p.y,
         }
     }
@@ -257,6 +284,7 @@ impl Body {
                     round * side.max(0.0) + flat * end.max(0.0)
                 }
             }
+            BodyForm::Stem { half, .. } => beyond(p, half),
             BodyForm::Ground => Vec3::Y,
         };
         self.outward(n.normalize_or(Vec3::Y))
@@ -304,6 +332,11 @@ impl Body {
     }
 }
 
+/// From the nearest point of an upright line about the middle, half as long as `half`, to a point.
+fn beyond(p: Vec3, half: f32) -> Vec3 {
+    p - Vec3::Y * p.y.clamp(-half, half)
+}
+
 #[cfg(test)]
 mod tests {
     use bevy::math::Quat;
@@ -329,24 +362,24 @@ mod tests {
     #[test]
     fn free_growth_goes_straight() {
         let want = Advance { direction: Vec3::NEG_X, length: 5.0 };
-        assert_eq!(advance(&[wall()], Some(-0.1), Vec3::ZERO, want.direction, want.length, 0.05), want);
+        assert_eq!(advance(&[wall()], &[], Some(-0.1), Vec3::ZERO, want.direction, want.length, 0.05), want);
     }
 
     #[test]
     fn growth_slides_along_a_wall_with_the_least_turn() {
         let direction = Vec3::new(0.8, 0.6, 0.0);
-        let got = advance(&[wall()], None, Vec3::ZERO, direction, 2.0, 0.05);
+        let got = advance(&[wall()], &[], None, Vec3::ZERO, direction, 2.0, 0.05);
         assert_eq!(got.length, 2.0);
         let end = got.direction * got.length;
         assert!((end.x - 0.95).abs() < 1e-3 && end.y > 1.7, "{end}");
         // From the wall it goes on along the wall.
-        let next = advance(&[wall()], None, end, direction, 2.0, 0.05);
+        let next = advance(&[wall()], &[], None, end, direction, 2.0, 0.05);
         assert!(next.length == 2.0 && next.direction.y > 0.999, "{next:?}");
     }
 
     #[test]
     fn growth_straight_at_a_wall_stops_short() {
-        let got = advance(&[wall()], None, Vec3::X * 0.8, Vec3::X, 2.0, 0.05);
+        let got = advance(&[wall()], &[], None, Vec3::X * 0.8, Vec3::X, 2.0, 0.05);
         assert_eq!(got.direction, Vec3::X);
         assert!((got.length - 0.15).abs() < 1e-3, "{got:?}");
     }
@@ -357,13 +390,13 @@ mod tests {
             solid(SolidShape::Box { size: Vec3::new(10.0, 10.0, 1.0) }, Vec3::Z * 1.5, Quat::IDENTITY);
         let from = Vec3::new(0.9, 0.0, 0.9);
         let direction = Vec3::new(0.5, 0.7, 0.5).normalize();
-        let got = advance(&[wall(), other], None, from, direction, 1.0, 0.05);
+        let got = advance(&[wall(), other], &[], None, from, direction, 1.0, 0.05);
         assert!(got.length > 0.9 && got.direction.y > 0.9, "{got:?}");
     }
 
     #[test]
     fn a_seed_on_the_ground_grows_up_and_along_but_not_down() {
-        let grow = |direction| advance(&[], Some(0.0), Vec3::ZERO, direction, 1.0, 0.02);
+        let grow = |direction| advance(&[], &[], Some(0.0), Vec3::ZERO, direction, 1.0, 0.02);
         assert_eq!(grow(Vec3::Y), Advance { direction: Vec3::Y, length: 1.0 });
         assert_eq!(grow(Vec3::X), Advance { direction: Vec3::X, length: 1.0 });
         assert_eq!(grow(Vec3::NEG_Y).length, 0.0);
@@ -373,13 +406,13 @@ mod tests {
 
     #[test]
     fn nothing_grows_inside_a_solid_or_underground() {
-        let inside = advance(&[wall()], None, Vec3::X * 1.2, Vec3::NEG_X, 1.0, 0.01);
+        let inside = advance(&[wall()], &[], None, Vec3::X * 1.2, Vec3::NEG_X, 1.0, 0.01);
         assert_eq!(inside.length, 0.0);
-        assert_eq!(advance(&[], Some(0.0), Vec3::Y * -0.5, Vec3::Y, 1.0, 0.01).length, 0.0);
+        assert_eq!(advance(&[], &[], Some(0.0), Vec3::Y * -0.5, Vec3::Y, 1.0, 0.01).length, 0.0);
         for bad in [f32::NAN, f32::INFINITY] {
-            assert_eq!(advance(&[wall()], Some(0.0), Vec3::splat(bad), Vec3::Y, 1.0, 0.01).length, 0.0);
-            assert_eq!(advance(&[wall()], None, Vec3::ZERO, Vec3::Y * bad, 1.0, 0.01).length, 0.0);
-            assert_eq!(advance(&[wall()], None, Vec3::ZERO, Vec3::Y, bad, 0.01).length, 0.0);
+            assert_eq!(advance(&[wall()], &[], Some(0.0), Vec3::splat(bad), Vec3::Y, 1.0, 0.01).length, 0.0);
+            assert_eq!(advance(&[wall()], &[], None, Vec3::ZERO, Vec3::Y * bad, 1.0, 0.01).length, 0.0);
+            assert_eq!(advance(&[wall()], &[], None, Vec3::ZERO, Vec3::Y, bad, 0.01).length, 0.0);
         }
     }
 
@@ -387,7 +420,7 @@ mod tests {
     fn a_thin_plate_is_not_jumped_over() {
         let plate =
             solid(SolidShape::Box { size: Vec3::new(1e-4, 50.0, 50.0) }, Vec3::X * 3.0, Quat::IDENTITY);
-        let got = advance(&[plate], None, Vec3::ZERO, Vec3::X, 100.0, 1e-3);
+        let got = advance(&[plate], &[], None, Vec3::ZERO, Vec3::X, 100.0, 1e-3);
         assert!((got.length - 3.0).abs() < 2e-3, "{got:?}");
         assert!(touches(&plate, Vec3::ZERO, Vec3::X * 100.0, 0.0));
         assert!(!touches(&plate, Vec3::ZERO, Vec3::X * 2.9, 0.01));
@@ -438,10 +471,10 @@ mod tests {
             // Half of the starts are moved close to a surface, as after growing along it.
             let from = near.map_or(from, |aim| {
                 let heading = (solids[0].position - from + Vec3::splat(aim * 0.3)).normalize_or(Vec3::Y);
-                from + heading * advance(&solids, None, from, heading, 4.0, radius).length
+                from + heading * advance(&solids, &[], None, from, heading, 4.0, radius).length
             });
             let ground = Some(-1.0);
-            let got = advance(&solids, ground, from, direction, length, radius);
+            let got = advance(&solids, &[], ground, from, direction, length, radius);
             prop_assert!((got.direction.length() - 1.0).abs() < 1e-4);
             prop_assert!(got.length >= 0.0 && got.length <= length);
             prop_assert!(got.direction.dot(direction) > 0.17);

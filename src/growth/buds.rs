@@ -6,8 +6,8 @@ use super::birth::Newborn;
 use super::generation::{BudBroke, Condemned};
 use super::{Mechanisms, StepCount};
 use crate::plant::{
-    Allotment, ApicalBud, Attachment, BranchOrder, Cause, Exposure, GrowsFrom, GrowthSpan, GrowthTarget,
-    Identity, Internode, LateralBud, LateralBudState, OrganKind, Plant, Pose, Roster,
+    Allotment, ApicalBud, Attachment, BranchOrder, Cause, EnergyStore, Exposure, GrowsFrom, GrowthSpan,
+    GrowthTarget, Identity, Internode, LateralBud, LateralBudState, OrganKind, Plant, Pose, Roster,
 };
 use crate::species::Species;
 use crate::tropism::Steering;
@@ -55,7 +55,7 @@ pub fn wake_lateral_buds(
     mut broke: MessageWriter<BudBroke>,
     step: Res<StepCount>,
     mechanisms: Res<Mechanisms>,
-    plants: Query<&Plant>,
+    plants: Query<(&Plant, &EnergyStore)>,
     stems: Query<(&Pose, &Internode)>,
     mut buds: Query<(
         &Identity,
@@ -80,8 +80,8 @@ pub fn wake_lateral_buds(
         else {
             continue;
         };
-        let Ok(plant) = plants.get(identity.plant) else { continue };
-        if bud.state != LateralBudState::Dormant {
+        let Ok((plant, store)) = plants.get(identity.plant) else { continue };
+        if bud.state != LateralBudState::Dormant || plant.species.rests(store.age(step.0)) {
             continue;
         }
         let light = if mechanisms.light { exposure.light } else { 1.0 };

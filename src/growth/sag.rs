@@ -1,7 +1,10 @@
 //! Sag: wood bends under what it bears, by load over the fourth power of its radius, and sets as it thickens.
 //!
 //! Each step a stem bends by as much as its load asks beyond what has set before, so that a limb that was once
-//! weighed down keeps its bow when it has grown stout. What would go underground or into a solid does not bend.
+//! weighed down keeps its bow when it has grown stout. What would go underground or into a solid does not bend, and an
+//! axis that comes to lie on another [rests](contact) there.
+
+mod contact;
 
 use bevy::prelude::*;
 
@@ -75,13 +78,38 @@ impl Carried {
 }
 
 /// A stem about to bend.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 struct Bend {
     /// Rotation, axis times angle.
     turn: Vec3,
-    from: Vec3,
-    to: Vec3,
+    pose: Pose,
+    /// Its turn relative to what it grows from.
+    attachment: Quat,
+    length: f32,
     radius: f32,
+    order: u32,
+    /// Radius it had when new, metres, if its species avoids wood: no nearer to others does it bend.
+    keeps_off: Option<f32>,
+}
+
+impl Bend {
+    fn from(&self) -> Vec3 {
+        self.pose.position
+    }
+
+    fn to(&self) -> Vec3 {
+        self.pose.tip(self.length)
+    }
+
+    /// The turn of what bears it.
+    fn below(&self) -> Quat {
+        self.pose.rotation * self.attachment.inverse()
+    }
+
+    /// Its turn, once bent, relative to what it grows from.
+    fn bent(&self) -> Quat {
+        (self.below().inverse() * Quat::from_scaled_axis(self.turn) * self.pose.rotation).normalize()
+    }
 }
 
 /// Holds every stem still whose bending would carry what it bears underground or into a solid.
@@ -100,16 +128,16 @@ fn hold_back(parents: &[u32], bends: &mut [Option<Bend>], solids: &[StandingSoli
                 carried[i] = below;
                 continue;
             };
-            let here = below.and(bend.turn, bend.from);
+            let here = below.and(bend.turn, bend.from());
             carried[i] = here;
-            let (by_base, by_end) = (below.moves(bend.from), here.moves(bend.to));
+            let (by_base, by_end) = (below.moves(bend.from()), here.moves(bend.to()));
             if by_base == Vec3::ZERO && by_end == Vec3::ZERO {
                 continue;
             }
-            let (from, to) = (bend.from + by_base, bend.to + by_end);
+            let (from, to) = (bend.from() + by_base, bend.to() + by_end);
             // First-order places err by the square of the turn.
             let keep = bend.radius + 0.01 + 0.5 * here.turn.length_squared() * bend.radius.max(0.1);
-            let sinks = ground.is_some_and(|ground| to.y < ground + keep && to.y < bend.to.y);
+            let sinks = ground.is_some_and(|ground| to.y < ground + keep && to.y < bend.to().y);
             if sinks || solids.iter().any(|solid| touches(solid, from, to, keep)) {
                 wrong.push(i);
             }
@@ -172,7 +200,7 @@ pub fn bend_stems(
     for (i, bend) in bends.iter_mut().enumerate() {
         let plant = roster.plant[i] as usize;
         let (true, Some(species)) = (gives[plant], &species[plant]) else { continue };
-        let Ok((pose, order, wood, _)) = stems.get(roster.entity[i]) else { continue };
+        let Ok((pose, order, wood, attachment)) = stems.get(roster.entity[i]) else { continue };
         let stiffness = species.stiffness_gpa.get(order.0);
         let turn = if stiffness > 0.0 {
             let whole = deflection(loads[i], pose, wood, stiffness);
@@ -181,16 +209,23 @@ pub fn bend_stems(
         } else {
             Vec3::ZERO
         };
-        *bend = Some(Bend { turn, from: pose.position, to: pose.tip(wood.length), radius: wood.radius });
+        *bend = Some(Bend {
+            turn,
+            pose: *pose,
+            attachment: attachment.0,
+            length: wood.length,
+            radius: wood.radius,
+            order: order.0,
+            keeps_off: species.avoids_wood.then_some(species.twig_radius_m),
+        });
     }
+    contact::rest(&roster.parent, &mut bends);
     let standing = crate::environment::standing_solids(solids.iter());
     hold_back(&roster.parent, &mut bends, &standing, ground.0);
     for (i, bend) in bends.into_iter().enumerate() {
         let Some(bend) = bend.filter(|bend| bend.turn != Vec3::ZERO) else { continue };
-        let Ok((pose, _, mut wood, mut attachment)) = stems.get_mut(roster.entity[i]) else { continue };
-        let below = pose.rotation * attachment.0.inverse();
-        let turned = Quat::from_scaled_axis(bend.turn) * pose.rotation;
-        attachment.0 = (below.inverse() * turned).normalize();
+        let Ok((_, _, mut wood, mut attachment)) = stems.get_mut(roster.entity[i]) else { continue };
+        attachment.0 = bend.bent();
         wood.sag += bend.turn.length();
     }
 }
@@ -239,11 +274,13 @@ mod tests {
 
     #[test]
     fn nothing_bends_underground() {
+        let level = Quat::from_rotation_z(-core::f32::consts::FRAC_PI_2);
         let bend = |turn: f32, from: f32| Bend {
             turn: Vec3::NEG_Z * turn,
-            from: Vec3::new(from, 0.1, 0.0),
-            to: Vec3::new(from + 1.0, 0.1, 0.0),
+            pose: Pose { position: Vec3::new(from, 0.1, 0.0), rotation: level },
+            length: 1.0,
             radius: 0.01,
+            ..default()
         };
         let mut bends = [Some(bend(0.05, 0.0)), Some(bend(0.05, 1.0)), Some(bend(0.0, 0.0))];
         hold_back(&[NO_PARENT, 0, NO_PARENT], &mut bends, &[], Some(0.0));

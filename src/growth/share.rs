@@ -192,10 +192,13 @@ pub fn share_surplus(
         let energy = surplus + reclaimed + f64::from(species.store_release) * reserve.max(0.0);
         let energy = energy.min(store.stored);
         let mine = &members[index];
+        let age = store.age(step.0);
+        // What is shared now is used in the next step.
+        let rests = species.rests(age + 1);
         let shares = match species.allocation {
-            Allocation::ByExposure => share_by_exposure(mine, energy, species, mechanisms.light),
+            Allocation::ByExposure => share_by_exposure(mine, energy, species, mechanisms.light, rests),
+            Allocation::ByVigour if rests => Vec::new(),
             Allocation::ByVigour => {
-                let age = step.0 - store.germinated.unwrap_or(step.0);
                 let parents = mine.iter().map(|member| match roster.parent[member.organ as usize] {
                     NO_PARENT => NO_PARENT,
                     parent => place[parent as usize],
@@ -222,12 +225,13 @@ pub fn share_surplus(
     members.clear();
 }
 
-/// What each organ gets: leaves first, then apical buds, the best lit first.
+/// What each organ gets: leaves first, then apical buds unless the plant rests, the best lit first.
 fn share_by_exposure(
     mine: &[Member],
     mut energy: f64,
     species: &Species,
     light_matters: bool,
+    rests: bool,
 ) -> Vec<(u32, f32)> {
     let light = |member: &Member| if light_matters { member.light } else { 1.0 };
     let leaves = |member: &Member| match member.standing {
@@ -240,7 +244,7 @@ fn share_by_exposure(
     let buds = |member: &Member| {
         let need = species.extension_m * species.shoot_cost;
         let claim = Claim { light: light(member), need, least: need * LEAST_SHOOT };
-        (member.standing == Standing::Apical).then_some(claim)
+        (member.standing == Standing::Apical && !rests).then_some(claim)
     };
     let mut serve = |claim: &dyn Fn(&Member) -> Option<Claim>| {
         let (organs, claims): (Vec<u32>, Vec<Claim>) =

@@ -11,10 +11,11 @@ use super::parts::{AT_ONCE, StepParts};
 use super::{Mechanisms, StepCount};
 use crate::chance::{self, Purpose};
 use crate::environment::obstacles::advance;
-use crate::environment::{Ground, Solid, StandingSolid};
+use crate::environment::standing_wood::StandingWood;
+use crate::environment::{Capsule, Ground, Solid, StandingSolid};
 use crate::plant::{
-    Allotment, ApicalBud, Attachment, Bears, BranchOrder, EnergyLedger, GrowsFrom, GrowthSpan, GrowthTarget,
-    Identity, Internode, Lineage, NO_PARENT, Node, OrganKind, Plant, Pose, Roster,
+    Allotment, ApicalBud, Attachment, Bears, BranchOrder, EnergyLedger, EnergyStore, GrowsFrom, GrowthSpan,
+    GrowthTarget, Identity, Internode, Lineage, NO_PARENT, Node, OrganKind, Plant, Pose, Roster,
 };
 use crate::species::{Allocation, Species};
 use crate::tropism::{self, Control, Influence, Signals, Steering, Tropisms};
@@ -60,6 +61,31 @@ pub struct Segment {
     pub phyllotaxis: f32,
 }
 
+impl Segment {
+    /// As wood in the way of others.
+    fn capsule(&self, organ: u32, plant: u32) -> Capsule {
+        let base = Pose { position: self.position, rotation: self.rotation };
+        Capsule {
+            from: self.position,
+            to: base.tip(self.internode.length),
+            radius: self.internode.radius,
+            organ,
+            plant,
+        }
+    }
+}
+
+/// What a shoot does not grow through.
+#[derive(Debug, Clone, Copy)]
+pub struct Obstacles<'a> {
+    /// Walls and the like.
+    pub solids: &'a [StandingSolid],
+    /// Wood, for species that avoid it.
+    pub wood: &'a StandingWood,
+    /// Height of the ground, or of what the shoot keeps above it; `None`: there is none.
+    pub floor: Option<f32>,
+}
+
 /// Length planned with an amount of energy.
 pub fn plan(species: &Species, energy: f32) -> Plan {
     match species.allocation {
@@ -81,7 +107,7 @@ pub fn plan(species: &Species, energy: f32) -> Plan {
 
 /// Grows a shoot from its tip towards a target heading; returns the new segments and leaves the tip at the end.
 ///
-/// Growth that meets a solid or the ground slides along it or stops. `influence` is asked once a sub-step, with the
+/// Growth that meets an obstacle slides along it or stops. `influence` is asked once a sub-step, with the
 /// length of the axis so far in metres.
 pub fn extend(
     tip: &mut Tip,
@@ -89,8 +115,7 @@ pub fn extend(
     target: Vec3,
     order: u32,
     species: &Species,
-    solids: &[StandingSolid],
-    ground: Option<f32>,
+    obstacles: Obstacles,
     mut influence: impl FnMut(f32) -> Influence,
 ) -> Vec<Segment> {
     const LEAST: f32 = 1e-4;
@@ -113,7 +138,13 @@ pub fn extend(
         let acting = influence(along);
         let (steering, signals) = (&mut tip.steering, &mut tip.signals);
         let steered = tropism::step(&control, steering, signals, tip.rotation, goal, acting);
-        let step = advance(solids, ground, tip.position, steered, wanted, species.twig_radius_m);
+        let (from, radius) = (tip.position, species.twig_radius_m);
+        let (course, wood) = if species.avoids_wood {
+            obstacles.wood.past(from, steered, wanted, radius)
+        } else {
+            (steered, Vec::new())
+        };
+        let step = advance(obstacles.solids, &wood, obstacles.floor, from, course, wanted, radius);
         if step.length < LEAST {
             break;
         }
@@ -155,6 +186,45 @@ pub fn extend(
     segments
 }
 
+/// Gathers the wood that shoots find in their way, if any species avoids it.
+pub fn gather_wood(
+    roster: Res<Roster>,
+    plants: Query<&Plant>,
+    stems: Query<(&Pose, &Internode)>,
+    mut wood: ResMut<StandingWood>,
+    mut parts: ResMut<StepParts>,
+) {
+    let asked = parts.rest.take().unwrap_or_else(|| {
+        let avoid = plants.iter().any(|plant| plant.species.avoids_wood);
+        let longest = plants.iter().map(|plant| plant.species.internode_m).fold(0.05, f32::max);
+        wood.begin(avoid.then_some(longest));
+        0..roster.next_birth
+    });
+    if !wood.minds() {
+        return;
+    }
+    // By birth: between two parts the host may take organs away.
+    for i in roster.birth.partition_point(|birth| *birth < asked.start)..roster.len() {
+        let birth = roster.birth[i];
+        if birth > asked.start && i.is_multiple_of(AT_ONCE) && parts.is_time_up() {
+            parts.rest = Some(birth..asked.end);
+            parts.leave_off_within();
+            return;
+        }
+        if roster.kind[i] == OrganKind::Internode
+            && let Ok((pose, internode)) = stems.get(roster.entity[i])
+        {
+            wood.add(Capsule {
+                from: pose.position,
+                to: pose.tip(internode.length),
+                radius: internode.radius,
+                organ: birth,
+                plant: roster.plant[i],
+            });
+        }
+    }
+}
+
 /// Extends every apical bud that has energy and a target; the bud is born anew beyond its new internodes.
 #[allow(clippy::type_complexity, clippy::too_many_arguments, reason = "a system names what it reads")]
 pub fn extend_shoots(
@@ -164,7 +234,7 @@ pub fn extend_shoots(
     step: Res<StepCount>,
     mechanisms: Res<Mechanisms>,
     ground: Res<Ground>,
-    plants: Query<&Plant>,
+    plants: Query<(&Plant, &EnergyStore)>,
     mut ledgers: Query<&mut EnergyLedger>,
     solids: Query<(&Solid, &Transform)>,
     mut buds: Query<(
@@ -178,6 +248,7 @@ pub fn extend_shoots(
         &mut Allotment,
         &mut ApicalBud,
     )>,
+    mut wood: ResMut<StandingWood>,
     mut parts: ResMut<StepParts>,
 ) {
     let began = Instant::now();
@@ -213,8 +284,11 @@ pub fn extend_shoots(
         else {
             continue;
         };
-        let Ok(plant) = plants.get(identity.plant) else { continue };
+        let Ok((plant, store)) = plants.get(identity.plant) else { continue };
         let species = &plant.species;
+        if species.rests(store.age(step.0)) {
+            continue;
+        }
         if mechanisms.energy && allotment.0 <= 0.0 {
             bud.starved += 1;
             continue;
@@ -233,7 +307,8 @@ pub fn extend_shoots(
         let heading = if target.heading == Vec3::ZERO { pose.heading() } else { target.heading };
         let plan = plan(species, energy);
         let floor = floor(species, ground.0, order.0, tip.position.y);
-        let segments = extend(&mut tip, plan, heading, order.0, species, &solids, floor, |along| {
+        let obstacles = Obstacles { solids: &solids, wood: &wood, floor };
+        let segments = extend(&mut tip, plan, heading, order.0, species, obstacles, |along| {
             Influence::of(species, along, &mut sensing, &mut wander)
         });
         if segments.is_empty() {
@@ -271,11 +346,12 @@ pub fn extend_shoots(
                     end: step.0 as f32 + (k + 1) as f32 / count,
                 },
             };
-            let (kind, wood) = (OrganKind::Internode, (segment.internode, Bears::default()));
+            let (kind, stem_state) = (OrganKind::Internode, (segment.internode, Bears::default()));
             let internode = match segment.node {
-                Some(node) => newborn.bear(&mut commands, &mut roster, kind, (wood, node)),
-                None => newborn.bear(&mut commands, &mut roster, kind, wood),
+                Some(node) => newborn.bear(&mut commands, &mut roster, kind, (stem_state, node)),
+                None => newborn.bear(&mut commands, &mut roster, kind, stem_state),
             };
+            wood.add(segment.capsule(birth, plant_index));
             if let Some(node) = segment.node {
                 fresh.0.push(FreshNode {
                     internode,

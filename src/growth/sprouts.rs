@@ -78,6 +78,9 @@ pub fn sprout(
         .iter()
         .map(|plant| {
             let (plant, store, ledger) = plants.get((*plant)?).ok()?;
+            if plant.species.rests(store.age(step.0)) {
+                return None;
+            }
             let expected = sprouts(&plant.species, store.stored, ledger.opened - store.stored);
             (expected > 0.0).then_some((plant, expected))
         })

@@ -109,8 +109,9 @@ pub fn settle(mut sinks: Vec<Sink>, total: f32, least: f32, control: impl Fn(u32
 
 /// Vigour that reaches every organ when `total` enters at the base.
 ///
-/// At a fork the main axis (children of the stem's own order) gets `c W_m / (c W_m + (1 - c) W_l)` of it, with
-/// W the demand of all each side bears and c the apical control of the order; within a side by demand. What bears
+/// At a fork the main axis (children of the stem's own order) gets `(1 + c) W_m / ((1 + c) W_m + (1 - c) W_l)` of it,
+/// with W the demand of all each side bears and c the apical control of the order, -1 to 1 (`2 lambda - 1` of Palubicki);
+/// within a side by demand. What bears
 /// no bud that can grow draws nothing to itself, though what it gathers counts for the branch it is on: all that
 /// enters comes to buds.
 pub fn flow(sinks: &[Sink], total: f32, control: impl Fn(u32) -> f32) -> Vec<f32> {
@@ -145,8 +146,8 @@ pub fn flow(sinks: &[Sink], total: f32, control: impl Fn(u32) -> f32) -> Vec<f32
                 let p = p as usize;
                 let c = control(sinks[p].order);
                 let (weight, side) =
-                    if sinks[i].order == sinks[p].order { (c, main[p]) } else { (1.0 - c, lateral[p]) };
-                let both = c * main[p] + (1.0 - c) * lateral[p];
+                    if sinks[i].order == sinks[p].order { (1.0 + c, main[p]) } else { (1.0 - c, lateral[p]) };
+                let both = (1.0 + c) * main[p] + (1.0 - c) * lateral[p];
                 if both > 0.0 && side > 0.0 { vigour[p] * weight * demand[i] / both } else { 0.0 }
             }
         };
@@ -177,16 +178,16 @@ mod tests {
 
     #[test]
     fn apical_control_weighs_the_main_axis_against_its_laterals() {
-        let vigour = flow(&fork(SinkKind::Bud), 10.0, |_| 0.6);
-        let main = 0.6 * 0.5;
-        let side = 0.4 * 3.5;
+        let vigour = flow(&fork(SinkKind::Bud), 10.0, |_| 0.2);
+        let main = 1.2 * 0.5;
+        let side = 0.8 * 3.5;
         assert!((vigour[1] - 10.0 * main / (main + side)).abs() < 1e-4);
         assert!((vigour[4] - 10.0 * side / (main + side)).abs() < 1e-4);
     }
 
     #[test]
     fn a_twig_whose_buds_rest_leaves_its_part_to_others() {
-        let vigour = flow(&fork(SinkKind::Spent), 10.0, |_| 0.6);
+        let vigour = flow(&fork(SinkKind::Spent), 10.0, |_| 0.2);
         assert_eq!(vigour[1], 10.0);
         assert_eq!(vigour[2], 0.0);
     }
@@ -195,7 +196,7 @@ mod tests {
     fn in_a_poor_year_a_few_buds_grow_and_not_all_too_little() {
         let mut sinks = vec![sink(NO_PARENT, 0, SinkKind::Stem, 0.0)];
         sinks.extend((0..100).map(|i| sink(0, 1, SinkKind::Bud, 0.3 + 0.002 * i as f32)));
-        let vigour = settle(sinks, 5.0, 0.25, |_| 0.5);
+        let vigour = settle(sinks, 5.0, 0.25, |_| 0.0);
         let grow = vigour[1..].iter().filter(|v| **v > 0.0).count();
         assert!((5..=20).contains(&grow), "{grow} of 100 buds share enough for 20");
         assert!(vigour[1..].iter().all(|v| *v == 0.0 || *v >= 0.25));
@@ -229,7 +230,7 @@ mod tests {
         #[test]
         fn all_that_enters_comes_to_buds(sinks in plants(), least in 0.0..0.5_f32) {
             let some_bud = sinks.iter().any(|s| s.kind == SinkKind::Bud && s.demand > 0.0);
-            for vigour in [flow(&sinks, 10.0, |_| 0.6), settle(sinks.clone(), 10.0, least, |_| 0.6)] {
+            for vigour in [flow(&sinks, 10.0, |_| 0.2), settle(sinks.clone(), 10.0, least, |_| 0.2)] {
                 let buds = sinks.iter().zip(&vigour).filter(|(s, _)| s.kind == SinkKind::Bud);
                 let arrives: f32 = buds.map(|(_, v)| v).sum();
                 prop_assert!((arrives - if some_bud { 10.0 } else { 0.0 }).abs() < 1e-3, "{}", arrives);

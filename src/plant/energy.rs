@@ -13,6 +13,13 @@ pub struct EnergyStore {
     pub germinated: Option<u32>,
 }
 
+impl EnergyStore {
+    /// Age of its plant in that step, in steps; 0 for a seed.
+    pub fn age(&self, step: u32) -> u32 {
+        step.saturating_sub(self.germinated.unwrap_or(step))
+    }
+}
+
 /// One step's books of a plant: `opened + income = upkeep + growth + lost + closed` (`LK-12`).
 ///
 /// `opened` and `closed` count the store and what lies allotted in organs.

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 
 use crate::environment::obstacles::touches;
-use crate::environment::sense::room::segment_gap;
+use crate::environment::segment;
 use crate::environment::{SolidShape, StandingSolid};
 use crate::plant::{NO_PARENT, OrganKind, OrganState, Snapshot};
 use crate::species::Species;
@@ -171,7 +171,7 @@ fn meetings(shot: &Snapshot, most: f32, counts: impl Fn(u32, u32) -> bool) -> us
             let meet_at_node = a.parent == b.parent || a.parent == b.index || b.parent == a.index;
             let apart = a.low.cmpgt(b.high).any() || b.low.cmpgt(a.high).any();
             let far = meet_at_node || apart || !counts(a.index, b.index);
-            if !far && segment_gap((a.from, a.to), (b.from, b.to)) < a.radius + b.radius {
+            if !far && segment::gap((a.from, a.to), (b.from, b.to)) < a.radius + b.radius {
                 pairs += 1;
             }
         }
@@ -226,15 +226,6 @@ mod tests {
         // By hand: ranks 1 2.5 2.5 4 against 1 2 3 4.
         let tied = rank_correlation(&[(1.0, 1.0), (2.0, 2.0), (2.0, 3.0), (4.0, 4.0)]);
         assert!((tied - 4.5 / (4.5_f64 * 5.0).sqrt()).abs() < 1e-12);
-    }
-
-    #[test]
-    fn gaps_between_segments() {
-        let x = (Vec3::ZERO, Vec3::X);
-        assert_eq!(segment_gap(x, (Vec3::Y, Vec3::Y + Vec3::X)), 1.0);
-        assert_eq!(segment_gap(x, (Vec3::new(0.5, 2.0, -1.0), Vec3::new(0.5, 2.0, 1.0))), 2.0);
-        assert_eq!(segment_gap(x, (Vec3::new(3.0, 0.0, 0.0), Vec3::new(4.0, 0.0, 0.0))), 2.0);
-        assert_eq!(segment_gap(x, (Vec3::new(0.5, -1.0, 0.0), Vec3::new(0.5, 1.0, 0.0))), 0.0);
     }
 
     #[test]

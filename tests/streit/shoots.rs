@@ -13,7 +13,8 @@ fn shoot(species: &Species, turn: Quat, target: Vec3, seed: u64) -> Vec<Vec3> {
     };
     let [mut sensing, mut wander] = [1, 2].map(|k| Pcg64Mcg::seed_from_u64(seed * 2 + k));
     let plan = Plan { length: 10.0, closes: false, nodes: u32::MAX };
-    let segments = extend(&mut tip, plan, target, 0, species, &[], None, |along| {
+    let obstacles = Obstacles { solids: &[], wood: &StandingWood::default(), floor: None };
+    let segments = extend(&mut tip, plan, target, 0, species, obstacles, |along| {
         Influence::of(species, along, &mut sensing, &mut wander)
     });
     segments.iter().map(|s| s.position + s.rotation * Vec3::Y * s.internode.length).collect()

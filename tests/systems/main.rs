@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod giving_up;
+mod growing_shoots;
 mod vigour;
 
 use bevy::ecs::system::RunSystemOnce;
@@ -97,57 +98,6 @@ fn wake_lateral_buds_lets_a_bud_in_the_dark_sleep_and_die_out_of_patience() {
     nursery.run(buds::wake_lateral_buds);
     assert_eq!(nursery.get::<LateralBud>(bud).state, LateralBudState::Dead);
     assert_eq!(nursery.condemned(), [(nursery.birth(bud), Cause::Starved)]);
-}
-
-#[test]
-fn extend_shoots_turns_energy_into_stem_below_the_bud() {
-    let species = Species { internode_m: 0.1, node_spacing_m: 0.2, ..lam_king() };
-    let mut nursery = Nursery::new(species);
-    let bud = nursery.apical_bud(None, 1.0, 1.0);
-    nursery.run(shoots::extend_shoots);
-    let stems = nursery.all(OrganKind::Internode);
-    assert_eq!(stems.len(), 2, "0.2 m are two segments of 0.1 m");
-    assert!(nursery.app.world().get::<Node>(stems[0]).is_none());
-    assert!(nursery.app.world().get::<Node>(stems[1]).is_some());
-    let heights = stems.iter().map(|&s| nursery.get::<Internode>(s).height_in_branch);
-    assert_eq!(heights.collect::<Vec<_>>(), [0.1, 0.2]);
-    assert_eq!(nursery.get::<GrowsFrom>(stems[0]).0, nursery.plant);
-    assert_eq!(nursery.get::<GrowsFrom>(stems[1]).0, stems[0]);
-    assert_eq!(nursery.get::<GrowsFrom>(bud).0, stems[1]);
-    assert_eq!(nursery.get::<Pose>(bud).position, Vec3::Y * 0.2);
-    assert!(nursery.birth(bud) > nursery.birth(stems[1]), "the bud is born anew beyond its stem");
-    close(nursery.get::<Allotment>(bud).0.into(), 0.0);
-    close(nursery.ledger().growth, 1.0);
-    assert_eq!(nursery.app.world().resource::<FreshNodes>().0.len(), 1);
-}
-
-#[test]
-fn extend_shoots_follows_the_target_and_stops_at_solids() {
-    let mut nursery = Nursery::new(lam_king());
-    let trunk = nursery.stem(None, 0.2);
-    let wall = Solid { shape: SolidShape::Box { size: Vec3::splat(2.0) }, color: [0.5; 3] };
-    nursery.app.world_mut().spawn((wall, Transform::from_xyz(0.0, 1.3, 0.0)));
-    let bud = nursery.apical_bud(Some(trunk), 1.0, 1.0);
-    nursery.set(bud, GrowthTarget { heading: Vec3::Y, fitness: 1.0 });
-    nursery.run(shoots::extend_shoots);
-    let tip = nursery.get::<Pose>(bud).position.y;
-    assert!((0.25..0.3).contains(&tip), "the ceiling is at 0.3, the tip at {tip}");
-
-    let mut nursery = Nursery::new(lam_king());
-    let trunk = nursery.stem(None, 0.2);
-    let bud = nursery.apical_bud(Some(trunk), 1.0, 0.5);
-    nursery.set(bud, GrowthTarget { heading: Vec3::X, fitness: 1.0 });
-    nursery.run(shoots::extend_shoots);
-    assert!(nursery.get::<Pose>(bud).position.distance(Vec3::new(0.1, 0.2, 0.0)) < 1e-5);
-}
-
-#[test]
-fn extend_shoots_leaves_a_bud_without_energy_waiting() {
-    let mut nursery = Nursery::new(lam_king());
-    let bud = nursery.apical_bud(None, 1.0, 0.0);
-    nursery.run(shoots::extend_shoots);
-    assert!(nursery.all(OrganKind::Internode).is_empty());
-    assert_eq!(nursery.get::<ApicalBud>(bud).starved, 1);
 }
 
 fn fresh_node(nursery: &mut Nursery, stem: Entity, bud: Entity) {

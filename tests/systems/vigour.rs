@@ -16,7 +16,7 @@ fn by_vigour() -> Species {
         short_internode: 0.1,
         vigour_short: 0.25,
         store_release: 1.0,
-        apical_control: [0.5].into(),
+        apical_control: [0.0].into(),
         flush_internodes: [10.0].into(),
         ..lam_king()
     }
@@ -65,7 +65,7 @@ fn gather_claims_takes_back_what_was_not_used_and_share_surplus_gives_it_out_onc
 
 #[test]
 fn share_surplus_favours_the_main_axis_by_apical_control() {
-    let species = Species { apical_control: [0.75].into(), ..by_vigour() };
+    let species = Species { apical_control: [0.5].into(), ..by_vigour() };
     let unit = f64::from(vigour::internode_cost(&species));
     let (mut nursery, main, side) = fork(species, 8.0 * unit);
     nursery.run(share::share_surplus);
@@ -119,4 +119,77 @@ fn share_surplus_takes_back_what_was_not_used() {
     nursery.run(share::share_surplus);
     close(got(&nursery, main) + got(&nursery, side) + nursery.stored(), 4.0 * unit);
     close(got(&nursery, main), 2.0 * unit);
+}
+
+#[test]
+fn a_plant_that_rests_grows_nothing_and_puts_by_what_it_earns() {
+    let calendar = |flush_steps| Species { steps_per_year: 4, flush_steps, flushes: 1, ..by_vigour() };
+    assert!((0..9).all(|age| !calendar(0).rests(age)), "off");
+    let ages: Vec<u32> = (0..9).filter(|age| !calendar(1).rests(*age)).collect();
+    assert_eq!(ages, [0, 4, 8]);
+    let twice = Species { steps_per_year: 12, flush_steps: 2, flushes: 2, ..by_vigour() };
+    let ages: Vec<u32> = (0..12).filter(|age| !twice.rests(*age)).collect();
+    assert_eq!(ages, [0, 1, 6, 7]);
+
+    for allocation in [Allocation::ByVigour, Allocation::ByExposure] {
+        let species = Species { allocation, ..calendar(1) };
+        let (mut nursery, main, side) = fork(species, 100.0);
+        nursery.app.world_mut().resource_mut::<StepCount>().0 = 1;
+        nursery.run(share::share_surplus);
+        assert_eq!(
+            (got(&nursery, main), got(&nursery, side), nursery.stored()),
+            (0.0, 0.0, 100.0),
+            "it puts by"
+        );
+        // Whatever it still has at hand it does not use.
+        nursery.set(main, Allotment(5.0));
+        nursery.run(shoots::extend_shoots);
+        assert_eq!(nursery.all(OrganKind::Internode).len(), 2);
+        assert_eq!(nursery.get::<ApicalBud>(main).starved, 0, "resting is no want");
+        nursery.app.world_mut().resource_mut::<StepCount>().0 = 3;
+        nursery.run(share::share_surplus);
+        assert!(got(&nursery, main) > 0.0, "for the flush in the next step");
+        nursery.app.world_mut().resource_mut::<StepCount>().0 = 4;
+        nursery.run(shoots::extend_shoots);
+        assert!(nursery.all(OrganKind::Internode).len() > 2);
+    }
+}
+
+#[test]
+fn apical_control_changes_with_age_down_to_its_least() {
+    let species = Species {
+        apical_control: [0.5].into(),
+        apical_control_ageing: -0.1,
+        apical_control_least: 0.2,
+        store_release: 0.5,
+        ..by_vigour()
+    };
+    let unit = f64::from(vigour::internode_cost(&species));
+    let share_at = |age: u32, species: &Species| {
+        let (mut nursery, main, side) = fork(species.clone(), 20.0 * unit);
+        nursery.app.world_mut().resource_mut::<StepCount>().0 = age;
+        nursery.run(share::share_surplus);
+        (got(&nursery, main) / unit, got(&nursery, side) / unit)
+    };
+    // (1 + c) / 2 of ten internodes, which chance makes whole.
+    for (age, main) in [(0, 7.5), (1, 7.0), (2, 6.5), (3, 6.0), (30, 6.0)] {
+        let (leader, lateral) = share_at(age, &species);
+        assert!(
+            (leader - main).abs() < 0.51 && (lateral - (10.0 - main)).abs() < 0.51,
+            "{age}: {leader} {lateral}"
+        );
+    }
+    let ever = Species { apical_control_ageing: 0.0, ..species };
+    assert!((share_at(30, &ever).0 - 7.5).abs() < 0.51, "off");
+}
+
+#[test]
+fn wood_share_is_kept_from_the_shoots() {
+    let unit = f64::from(vigour::internode_cost(&by_vigour()));
+    for (wood_share, shoots) in [(0.0, 8.0), (0.25, 6.0), (0.5, 4.0)] {
+        let (mut nursery, main, side) = fork(Species { wood_share, ..by_vigour() }, 8.0 * unit);
+        nursery.run(share::share_surplus);
+        close(got(&nursery, main) + got(&nursery, side), shoots * unit);
+        close(nursery.stored(), (8.0 - shoots) * unit);
+    }
 }

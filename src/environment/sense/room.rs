@@ -1,12 +1,12 @@
 //! Room: buds choose at the same time, each as if the others stood still. Of shoots that would grow into each
 //! other, or into wood that stands, the first-born keeps its choice and the others take their next best.
 
-use std::collections::HashMap;
-
-use bevy::math::{IVec3, Vec3};
+use bevy::math::Vec3;
 
 use super::Choice;
 use crate::environment::Capsule;
+use crate::environment::segment;
+use crate::environment::stem_grid::StemGrid;
 
 /// A bud that will grow, and where it could grow to.
 #[derive(Debug, Clone, Copy)]
@@ -31,7 +31,7 @@ const BASE: f32 = 0.35;
 /// When none of its candidates is clear, a bud takes the one with the most room.
 pub fn settle(wood: &[Capsule], wishes: &[Wish]) -> Vec<usize> {
     let cell = wishes.iter().map(|w| w.reach).fold(0.05, f32::max);
-    let mut room = Room { cell, stems: Vec::new(), cells: HashMap::new() };
+    let mut room = Room(StemGrid::new(cell));
     for capsule in wood {
         room.add(Stem { from: capsule.from, to: capsule.to, radius: capsule.radius, planned: false });
     }
@@ -65,28 +65,12 @@ struct Stem {
     planned: bool,
 }
 
-/// Stems in the cells of a grid that they pass.
-struct Room {
-    cell: f32,
-    stems: Vec<Stem>,
-    cells: HashMap<IVec3, Vec<u32>>,
-}
+/// Stems that stand or are planned.
+struct Room(StemGrid<Stem>);
 
 impl Room {
-    fn cells(&self, low: Vec3, high: Vec3) -> impl Iterator<Item = IVec3> + use<> {
-        let (low, high) = ((low / self.cell).floor().as_ivec3(), (high / self.cell).floor().as_ivec3());
-        (low.x..=high.x).flat_map(move |x| {
-            (low.y..=high.y).flat_map(move |y| (low.z..=high.z).map(move |z| IVec3::new(x, y, z)))
-        })
-    }
-
     fn add(&mut self, stem: Stem) {
-        let girth = Vec3::splat(stem.radius);
-        let index = self.stems.len() as u32;
-        for cell in self.cells(stem.from.min(stem.to) - girth, stem.from.max(stem.to) + girth) {
-            self.cells.entry(cell).or_default().push(index);
-        }
-        self.stems.push(stem);
+        self.0.add(stem, stem.from, stem.to, stem.radius);
     }
 
     /// Room left around a shoot, metres; negative where it would run into a stem. Stops looking below `enough`.
@@ -95,39 +79,24 @@ impl Room {
         let (from, to) = (wish.from + way * BASE, wish.from + way);
         let margin = Vec3::splat(wish.reach * BETWEEN_SIBLINGS);
         let mut spare = f32::INFINITY;
-        for cell in self.cells(from.min(to) - margin, from.max(to) + margin) {
-            for &index in self.cells.get(&cell).map_or(&[][..], Vec::as_slice) {
-                let stem = &self.stems[index as usize];
-                let sibling = stem.planned && stem.from.distance_squared(wish.from) < 1e-8;
-                let (start, needed) = if sibling {
-                    (stem.from.lerp(stem.to, BASE), wish.reach * BETWEEN_SIBLINGS)
-                } else {
-                    (stem.from, stem.radius + 2.0 * wish.radius)
-                };
-                // Wood that the bud sits on is no obstacle to it, unless the shoot turns back along it.
-                let seat = !stem.planned
-                    && segment_gap((wish.from, wish.from), (start, stem.to)) <= stem.radius + 1e-4;
-                let needed = if seat { wish.radius } else { needed };
-                spare = spare.min(segment_gap((from, to), (start, stem.to)) - needed);
-                if spare <= enough {
-                    return spare;
-                }
+        for stem in self.0.near(from.min(to) - margin, from.max(to) + margin) {
+            let sibling = stem.planned && stem.from.distance_squared(wish.from) < 1e-8;
+            let (start, needed) = if sibling {
+                (stem.from.lerp(stem.to, BASE), wish.reach * BETWEEN_SIBLINGS)
+            } else {
+                (stem.from, stem.radius + 2.0 * wish.radius)
+            };
+            // Wood that the bud sits on is no obstacle to it, unless the shoot turns back along it.
+            let seat =
+                !stem.planned && segment::gap((wish.from, wish.from), (start, stem.to)) <= stem.radius + 1e-4;
+            let needed = if seat { wish.radius } else { needed };
+            spare = spare.min(segment::gap((from, to), (start, stem.to)) - needed);
+            if spare <= enough {
+                return spare;
             }
         }
         spare
     }
-}
-
-/// Least distance between two straight segments, metres.
-pub fn segment_gap((a, a_end): (Vec3, Vec3), (b, b_end): (Vec3, Vec3)) -> f32 {
-    let (along_a, along_b, between) = (a_end - a, b_end - b, a - b);
-    let (aa, bb, ab) = (along_a.length_squared(), along_b.length_squared(), along_a.dot(along_b));
-    let (a_between, b_between) = (along_a.dot(between), along_b.dot(between));
-    let share = |over: f32, under: f32| if under > 0.0 { (over / under).clamp(0.0, 1.0) } else { 0.0 };
-    let at_a = share(ab * b_between - bb * a_between, aa * bb - ab * ab);
-    let at_b = share(ab * at_a + b_between, bb);
-    let at_a = share(ab * at_b - a_between, aa);
-    (a + along_a * at_a).distance(b + along_b * at_b)
 }
 
 #[cfg(test)]
