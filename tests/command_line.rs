@@ -331,6 +331,12 @@ fn siblings_of_plants_from_anywhere() {
     std::fs::write(at.join("stem.ron"), stem).unwrap();
     assert_eq!(siblings("stem.ron")[1..], [2.0, 1.0, 1.0]);
     assert!(siblings("lily --steps 8")[1] > 2.0);
+    // What swings wider and wider is grown all the same, and said to be so.
+    let unstable = |ratio: &str| {
+        ends(at, &format!("vary stem.ron --lag 10 --ratio {ratio} --sheet-only --force --out siblings"), 0).1
+    };
+    assert!(unstable("0.4").contains("is unstable: ratio 0.400 is below 0.669"), "{}", unstable("0.4"));
+    assert_eq!(unstable("0.8"), "");
     // Drawn down, a stem hangs; circling, it coils.
     for other in ["--gravitropism -4", "--nutation 20 --nutation-length 0.1"] {
         siblings(&format!("stem.ron --sensing-error 0 --disturbance 0 {other}"));

@@ -13,6 +13,7 @@ use burgeon::plant::Snapshot;
 use burgeon::plant::skeleton::{Skeleton, SkeletonError};
 use burgeon::scenario::{Garden, SavedRun};
 use burgeon::species::Species;
+use burgeon::tropism::stability::stability;
 use burgeon::tropism::vary::{Variation, siblings};
 use burgeon::tropism::{Control, LONGEST_LAG, Tropisms};
 use clap::Args;
@@ -114,6 +115,14 @@ impl Vary {
             ..Variation::default()
         };
         variation.check()?;
+        let meter = stability(&variation.control)?;
+        if !meter.stable {
+            eprintln!(
+                "burgeon: this control is unstable: ratio {:.3} is below {:.3}, the least for lag {}; the siblings will swing wider \
+                 and wider",
+                meter.ratio, meter.critical_ratio, meter.lag
+            );
+        }
         let name = Path::new(&self.plant).file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut files = vec!["siblings.png".to_string(), "siblings.csv".into()];
         let single = |n: usize| if n == 0 { "base.png".into() } else { format!("sibling_{n:03}.png") };

@@ -75,6 +75,17 @@ mod tests {
     }
 
     #[test]
+    fn turning_all_directions_turns_the_set_point() {
+        let all = Tropisms { photo: 0.5, gravi: -0.3, ortho: 2.0, plagio: 0.7, auto: 0.9, reach: 2.0 };
+        let (chosen, outset) = (Vec3::new(0.6, 0.64, 0.48), Vec3::new(0.8, 0.36, -0.48));
+        for turn in [Quat::from_rotation_z(2.0), Quat::from_euler(EulerRot::XYZ, 0.4, -2.9, 1.3)] {
+            let here = turn * all.set_point(chosen, outset, Vec3::Y, 1.3);
+            let there = all.set_point(turn * chosen, turn * outset, turn * Vec3::Y, 1.3);
+            assert!(here.distance(there) < 1e-6, "{here} {there}");
+        }
+    }
+
+    #[test]
     fn st_12_outward_at_the_base_upward_at_the_end() {
         let bends = Tropisms { photo: 0.0, ortho: 4.0, auto: 1.0, ..LIGHT };
         let rises: Vec<f32> =

@@ -131,25 +131,31 @@ fn trees_that_do_not_avoid_wood_tangle() {
     assert!(heeding == 0 && heedless > 10, "{heeding} and {heedless}");
 }
 
-/// Crown width of an open-grown tree by its diameter at breast height (cm): `ln CW = a + b ln D`, Hasenauer 1997.
+/// Crown width of an open-grown tree by its diameter at breast height (cm): `ln CW = a + b ln D`, Hasenauer 1997; and
+/// height of a dominant tree in a stand by diameter and age (A): `H = exp(c - p / x + q / x2 + r A - s A2) / 10` with
+/// `x = 10 D + 50`, Soderberg 1992 for southern Sweden, of which trees in the open fall short.
 #[cfg(not(debug_assertions))]
 #[test]
-fn crown_width_follows_trunk_diameter_as_in_open_grown_trees() {
-    for (name, a, b) in [
-        ("oak", -0.397, 0.733),
-        ("silver_birch", 0.178, 0.567),
-        ("norway_spruce", -0.323, 0.644),
-        ("scots_pine", -0.180, 0.627),
-        ("beech", 0.266, 0.607_f64),
+fn crown_width_and_height_follow_trunk_diameter_as_measured() {
+    const AGE: f64 = 30.0;
+    for (name, [a, b], [c, p, q, r, s]) in [
+        ("oak", [-0.397, 0.733], [5.78, 258.0, 6310.0, 0.0, 0.0]),
+        ("silver_birch", [0.178, 0.567], [5.80, 226.0, 3917.0, 0.0017, 1.2e-5]),
+        ("norway_spruce", [-0.323, 0.644], [6.02, 274.0, 3801.0, 0.0031, 2.1e-5]),
+        ("scots_pine", [-0.180, 0.627], [5.71, 303.0, 8843.0, 0.0069, 3.9e-5]),
+        ("beech", [0.266, 0.607_f64], [5.093, 144.0, 0.0, 0.0072, 2.7e-5]),
     ] {
-        let ratios: Vec<f64> = forms(name, 30)
-            .iter()
-            .map(|form| {
-                let diameter_cm = 100.0 * f64::from(form.breast_diameter_m);
-                f64::from(form.crown_width_m) / (a + b * diameter_cm.ln()).exp()
-            })
-            .collect();
-        println!("{name}: crown width over Hasenauer's {ratios:.2?}");
-        assert!(ratios.iter().all(|ratio| (0.6..1.75).contains(ratio)), "{name}: {ratios:?}");
+        for form in forms(name, 30) {
+            let diameter_cm = 100.0 * f64::from(form.breast_diameter_m);
+            let wide = f64::from(form.crown_width_m) / (a + b * diameter_cm.ln()).exp();
+            let x = 10.0 * diameter_cm + 50.0;
+            let stand = 0.1 * (c - p / x + q / (x * x) + r * AGE - s * AGE * AGE).exp();
+            let high = f64::from(form.height_m) / stand;
+            println!(
+                "{name}: {diameter_cm:.0} cm, crown {wide:.2} of Hasenauer's, height {high:.2} of Soderberg's"
+            );
+            assert!((0.6..1.75).contains(&wide), "{name}: {wide}");
+            assert!((0.5..1.25).contains(&high), "{name}: {high}");
+        }
     }
 }

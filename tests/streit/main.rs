@@ -24,7 +24,7 @@ use burgeon::tropism::stability::{critical_gain, stability};
 use burgeon::tropism::vary::{Variation, siblings, vary};
 use burgeon::tropism::{Control, Influence, Signals, Spread, Steering, lean, step, turned_to};
 use common::check::check_solids;
-use common::{grown, over_seeds, quick};
+use common::{garden, grown, over_seeds, quick};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 

@@ -43,6 +43,25 @@ fn turning_the_world_turns_the_shoot() {
         let off = here.iter().zip(&there).map(|(a, b)| (turn * *a).distance(*b)).fold(0.0, f32::max);
         assert!(here.len() >= 100 && off < 1e-4, "{off}");
     }
+    // What draws a shoot up or level turns with the world about the vertical.
+    let drawn = Species {
+        gravitropism: ByOrder::all(0.4),
+        orthotropism: ByOrder::all(0.6),
+        orthotropism_m: 4.0,
+        plagiotropism: ByOrder::all(0.7),
+        autotropism: ByOrder::all(0.5),
+        ..wavering()
+    };
+    let aslant = Quat::from_rotation_z(-0.9);
+    for (seed, angle) in [(3, 0.7), (4, -2.5)] {
+        let turn = Quat::from_rotation_y(angle);
+        let here = shoot(&drawn, aslant, aslant * towards_x(0.3), seed);
+        let there = shoot(&drawn, turn * aslant, turn * aslant * towards_x(0.3), seed);
+        let off = here.iter().zip(&there).map(|(a, b)| (turn * *a).distance(*b)).fold(0.0, f32::max);
+        assert!(here.len() >= 100 && off < 1e-4, "{off}");
+        let light_alone = shoot(&wavering(), aslant, aslant * towards_x(0.3), seed);
+        assert!(light_alone[99].distance(here[99]) > 1.0, "they do draw it");
+    }
 }
 
 #[test]
@@ -94,14 +113,16 @@ fn at_the_extremes_of_every_range_no_branch_passes_through_a_wall() {
         "plagiotropism",
         "autotropism",
     ];
-    let mut resolved = quick("figure_1d");
-    resolved.scenario.sensing.leaf_face = 2;
-    resolved.scenario.sensing.bud_face = 4;
+    let mut figure = quick("figure_1d");
+    figure.scenario.sensing.leaf_face = 2;
+    figure.scenario.sensing.bud_face = 4;
     let solid = |shape, at| PlacedSolid { name: format!("at {at}"), shape, at, ..default() };
-    resolved.scenario.solids.push(solid(SolidShape::Ball { radius: 0.3 }, Vec3::new(0.2, 0.9, 0.45)));
+    figure.scenario.solids.push(solid(SolidShape::Ball { radius: 0.3 }, Vec3::new(0.2, 0.9, 0.45)));
     let organs = over_seeds(0..100, |seed| {
-        let mut resolved = resolved.clone();
-        let species = resolved.species.get_mut("lam_king").unwrap();
+        // Every third is an oak, whose shoots also go round wood.
+        let (name, mut resolved) =
+            if seed % 3 == 2 { ("oak", quick("wall")) } else { ("lam_king", figure.clone()) };
+        let species = resolved.species.get_mut(name).unwrap();
         species.internode_m = 0.07;
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         for name in names {
@@ -118,13 +139,18 @@ fn at_the_extremes_of_every_range_no_branch_passes_through_a_wall() {
             };
             species.set(name, &value).unwrap();
         }
-        let mut garden = grown(resolved, seed, 8);
-        let shot = garden.snapshot();
-        assert!(shot.pose.iter().all(|p| p.position.is_finite() && p.rotation.is_normalized()));
-        if let Err(e) = check_solids(garden.world_mut(), &shot) {
-            panic!("seed {seed}: {e}");
+        let mut garden = garden(resolved, seed);
+        let mut organs = 0;
+        for step in 1..=8 {
+            garden.step().unwrap();
+            let shot = garden.snapshot();
+            assert!(shot.pose.iter().all(|p| p.position.is_finite() && p.rotation.is_normalized()));
+            if let Err(e) = check_solids(garden.world_mut(), &shot) {
+                panic!("seed {seed}, step {step}: {e}");
+            }
+            organs = shot.len();
         }
-        shot.len()
+        organs
     });
     // A seedling drawn to the ground with all its might stays in it.
     let grew = organs.iter().filter(|n| **n > 20).count();
