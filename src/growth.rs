@@ -66,7 +66,7 @@ pub struct StepCount(pub u32);
 pub struct Mechanisms {
     /// Buds grow towards light, leaves earn by it; off: everything counts as fully lit.
     pub light: bool,
-    /// Buds grow towards space; off: everything counts as free.
+    /// Buds grow towards space and shoots round wood; off: everything counts as free.
     pub space: bool,
     /// Growth needs energy; off: every bud and leaf has all it can use, nothing is paid or shed.
     pub energy: bool,

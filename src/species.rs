@@ -132,7 +132,7 @@ parameters! {
         /// Height above the ground at which shoots of side axes stop; 0: they stop on it.
         ground_clearance_m: f32 = 0.0, "m", Range::real(0.0, 100.0);
         /// Whether its shoots grow round wood in their way, their own plant's and others', instead of through it.
-        avoids_wood: bool = false, "", Range::any();
+        avoids_wood: bool = true, "", Range::any();
         /// Positions a bud compares, the straight one included.
         candidates: u32 = 17, "", Range::whole(1, 256);
         /// Whether light and space are stretched to 0..1 over the candidates before they are weighed.

@@ -413,8 +413,8 @@ fn lk_17_branches_collide_without_an_environment_and_hardly_with_one() {
     let [a, b] =
         ["figure_1a", "figure_1b"].map(|name| figure(name).iter().map(collisions).collect::<Vec<_>>());
     println!("LK-17 collisions a {a:?} b {b:?}");
-    assert!(a.iter().zip(&b).all(|(a, b)| a > b), "in every tree: a {a:?}, b {b:?}");
-    assert!(a.iter().sum::<usize>() > 2 * b.iter().sum::<usize>(), "a {a:?}, b {b:?}");
+    assert!(a.iter().zip(&b).all(|(a, b)| *a > 2 * b), "in every tree: a {a:?}, b {b:?}");
+    assert!(a.iter().sum::<usize>() > 4 * b.iter().sum::<usize>(), "a {a:?}, b {b:?}");
 }
 
 #[test]
@@ -423,7 +423,9 @@ fn lk_17_with_energy_higher_buds_are_favoured() {
     let b = over_seeds(SEEDS, |seed| height_and_growth("figure_1b", seed, FIGURE_STEPS));
     println!("LK-17 rank correlation b {b:.2?} c {c:.2?}");
     assert!(median(c.clone()) > 0.3 && c.iter().all(|&r| r > 0.1), "{c:?}");
-    assert!(b.iter().all(|r| r.abs() < 0.05), "{b:?}");
+    // All are fed alike; but where wood is in its way, high or low, a shoot stays short.
+    let mean = b.iter().sum::<f64>() / b.len() as f64;
+    assert!(mean.abs() < 0.02 && b.iter().all(|r| r.abs() < 0.1), "{b:?}");
 }
 
 #[test]

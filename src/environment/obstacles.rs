@@ -292,6 +292,11 @@ impl Body {
 
     /// Way and distance where the straight line from the start comes nearest, up to `length`.
     fn nearest(&self, d: Vec3, length: f32) -> (f32, f32) {
+        if let BodyForm::Stem { radius, half } = self.form {
+            let (end, top) = (self.start + d * length, Vec3::Y * half);
+            let (here, there) = segment::nearest((self.start, end), (-top, top));
+            return (here.distance(self.start), here.distance(there) - radius);
+        }
         let at = |way: f32| self.distance(self.start + d * way);
         let (mut low, mut high) = (0.0, length);
         for _ in 0..48 {

@@ -8,6 +8,7 @@ mod contact;
 
 use bevy::prelude::*;
 
+use super::Mechanisms;
 use crate::environment::obstacles::touches;
 use crate::environment::{Ground, Solid, StandingSolid};
 use crate::plant::{Attachment, BranchOrder, Internode, Leaf, NO_PARENT, OrganKind, Plant, Pose, Roster};
@@ -164,6 +165,7 @@ fn hold_back(parents: &[u32], bends: &mut [Option<Bend>], solids: &[StandingSoli
 pub fn bend_stems(
     roster: Res<Roster>,
     ground: Res<Ground>,
+    mechanisms: Res<Mechanisms>,
     plants: Query<&Plant>,
     solids: Query<(&Solid, &Transform)>,
     leaves: Query<(&Pose, &Leaf)>,
@@ -216,7 +218,7 @@ pub fn bend_stems(
             length: wood.length,
             radius: wood.radius,
             order: order.0,
-            keeps_off: species.avoids_wood.then_some(species.twig_radius_m),
+            keeps_off: (mechanisms.space && species.avoids_wood).then_some(species.twig_radius_m),
         });
     }
     contact::rest(&roster.parent, &mut bends);

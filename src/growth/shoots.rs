@@ -186,16 +186,17 @@ pub fn extend(
     segments
 }
 
-/// Gathers the wood that shoots find in their way, if any species avoids it.
+/// Gathers the wood that shoots find in their way, if any species avoids it: a part of what they sense of space.
 pub fn gather_wood(
     roster: Res<Roster>,
+    mechanisms: Res<Mechanisms>,
     plants: Query<&Plant>,
     stems: Query<(&Pose, &Internode)>,
     mut wood: ResMut<StandingWood>,
     mut parts: ResMut<StepParts>,
 ) {
     let asked = parts.rest.take().unwrap_or_else(|| {
-        let avoid = plants.iter().any(|plant| plant.species.avoids_wood);
+        let avoid = mechanisms.space && plants.iter().any(|plant| plant.species.avoids_wood);
         let longest = plants.iter().map(|plant| plant.species.internode_m).fold(0.05, f32::max);
         wood.begin(avoid.then_some(longest));
         0..roster.next_birth

@@ -23,7 +23,7 @@ const PARTS: [(&str, &str); 4] = [
 ];
 
 /// Pairs a 1000 internodes that still count as hardly colliding.
-const HARDLY: f64 = 50.0;
+const HARDLY: f64 = 15.0;
 
 /// What the claims are about, of one seed.
 struct Tree {
