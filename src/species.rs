@@ -178,11 +178,11 @@ parameters! {
 
         // Vigour (allocation ByVigour)
         /// Apical control by order of the main axis: above 0 favours it over its laterals, 0.1 makes a spire, below 0 favours them.
-        apical_control: ByOrder = ByOrder::all(0.0), "", Range::real(-1.0, 1.0);
+        apical_control: ByOrder = ByOrder::all(0.0), "", Range::real(-0.99, 0.99);
         /// Change of apical control each step of the plant's age.
         apical_control_ageing: f32 = 0.0, "1/step", Range::real(-1.0, 1.0);
         /// Apical control does not fall below this with age.
-        apical_control_least: f32 = -1.0, "", Range::real(-1.0, 1.0);
+        apical_control_least: f32 = -0.99, "", Range::real(-0.99, 0.99);
         /// Most internodes a bud grows in one step, by order.
         flush_internodes: ByOrder = ByOrder::all(4.0), "", Range::real(0.0, 100.0);
         /// Most internodes a bud grows in one step when the plant is old, by order; empty: as when it is young.
@@ -249,9 +249,9 @@ parameters! {
         // Calendar
         /// Growth steps in a year.
         steps_per_year: u32 = 1, "1/year", Range::whole(1, 366);
-        /// Steps of a flush, from the first of a year on: after it the plant rests, puts by what it earns and grows nothing; 0: it never rests.
+        /// Steps of a flush, from the first of a year on: after it the plant rests, puts by what it earns and extends no shoot until the next; 0: it never rests.
         flush_steps: u32 = 0, "steps", Range::whole(0, 366);
-        /// Flushes in a year, evenly apart, with a rest after each.
+        /// Flushes in a year, evenly apart; so many that one follows the other at once leave no time to rest.
         flushes: u32 = 1, "1/year", Range::whole(1, 12);
 
         // Looks

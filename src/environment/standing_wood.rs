@@ -37,7 +37,8 @@ impl StandingWood {
 
     /// Where a shoot of `radius` grows that wants to grow `length` along `heading` (metres, a unit vector), and what
     /// wood it still has to heed on that way: it turns aside as little as it must to pass by what is in its way. If
-    /// that takes too wide a turn it keeps its heading, and has to heed all it could reach. Wood in which it begins,
+    /// that takes more than 30 degrees it keeps its heading, and has to heed all it could reach: it slides along it or
+    /// stops. A shoot that has to turn again, for a wall, may meet wood on its new way. Wood in which it begins,
     /// as at a fork, is in nobody's way.
     pub fn past(&self, from: Vec3, heading: Vec3, length: f32, radius: f32) -> (Vec3, Vec<Capsule>) {
         let Some(grid) = &self.0 else { return (heading, Vec::new()) };

@@ -294,7 +294,7 @@ fn vigours(
     let control = |order: u32| {
         let young = species.apical_control.get(order);
         let least = species.apical_control_least.min(young);
-        (young + species.apical_control_ageing * age as f32).clamp(least, 1.0)
+        (young + species.apical_control_ageing * age as f32).clamp(least, 0.99)
     };
     vigour::settle(sinks, budget as f32, species.vigour_short, control)
 }

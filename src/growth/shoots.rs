@@ -380,6 +380,10 @@ pub fn extend_shoots(
         }
         *bud = ApicalBud { starved: 0, ..tip.bud };
     }
+    if parts.rest.is_none() {
+        // Old trunks pass many cells: nothing of the grid is kept until the next step.
+        wood.begin(None);
+    }
     moved.resize(roster.len(), false);
     let stays: Vec<bool> = moved.iter().map(|m| !m).collect();
     roster.retain(&stays);

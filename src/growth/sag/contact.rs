@@ -1,6 +1,7 @@
 //! Contact: an axis that bends onto another rests on it.
 //!
-//! Without it the twigs of a limb that sags would pass through those of the limb below, a little more each year.
+//! Without it the twigs of a limb that sags would come to lie in those of the limb below, a little more each year. Only
+//! where axes would lie is looked at, each as thin as when it was new: not the way there, nor wood that has thickened.
 
 use bevy::prelude::*;
 
@@ -48,7 +49,7 @@ fn axes(parents: &[u32], bends: &[Option<Bend>]) -> Vec<u32> {
     axis
 }
 
-/// Holds still the axes whose bending would bring them through another that they do not touch yet; what bears them
+/// Holds still the axes whose bending would bring them to lie in another that they do not touch yet; what bears them
 /// may bend on.
 pub fn rest(parents: &[u32], bends: &mut [Option<Bend>]) {
     let moves = |bend: &Bend| bend.turn != Vec3::ZERO;
@@ -59,20 +60,19 @@ pub fn rest(parents: &[u32], bends: &mut [Option<Bend>]) {
     let cell = bends.iter().flatten().map(|bend| bend.length).fold(0.05, f32::max);
     for _ in 0..ROUNDS {
         let lying = lie(parents, bends);
-        let mut grid = StemGrid::new(cell);
+        let mut grid = StemGrid::<(usize, f32)>::new(cell);
         let mut held = vec![false; bends.len()];
         for (i, stem) in bends.iter().enumerate() {
             let Some(stem) = stem else { continue };
             let Some(radius) = stem.keeps_off else { continue };
             let here = lying[i];
             let girth = Vec3::splat(radius);
-            for &j in grid.near(here.from.min(here.to) - girth, here.from.max(here.to) + girth) {
-                let j: usize = j;
+            for &(j, thin) in grid.near(here.from.min(here.to) - girth, here.from.max(here.to) + girth) {
                 let meet_at_node = parents[i] == parents[j] || parents[i] == j as u32;
                 let Some(other) = bends[j].as_ref().filter(|_| axis[i] != axis[j] && !meet_at_node) else {
                     continue;
                 };
-                let near = radius + other.keeps_off.unwrap_or(0.0);
+                let near = radius + thin;
                 let there = lying[j];
                 if segment::gap((here.from, here.to), (there.from, there.to)) < near
                     && segment::gap((stem.from(), stem.to()), (other.from(), other.to())) >= near
@@ -81,7 +81,7 @@ pub fn rest(parents: &[u32], bends: &mut [Option<Bend>]) {
                     held[axis[j] as usize] = true;
                 }
             }
-            grid.add(i, here.from, here.to, radius);
+            grid.add((i, radius), here.from, here.to, radius);
         }
         if !held.contains(&true) {
             return;
