@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! Germinate  open new seeds · look around once
-//! Generate   sprout · wake lateral buds · extend shoots (steered) · form nodes · unfold leaves · thicken and bend wood
+//! Generate   sprout · wake lateral buds · extend shoots (steered, round wood) · form nodes · unfold leaves ·
+//!            thicken and bend wood
 //! Update     photosynthesise · pay upkeep · shed liabilities · share surplus
 //! Sense      gather scene and probes · look around · choose growth targets
 //! Finish     close the books · count the step
