@@ -103,6 +103,7 @@ impl Plugin for GrowthPlugin {
             .register_type::<nodes::FreshNodes>()
             .register_type::<generation::Condemned>()
             .register_type::<share::Claims>()
+            .register_type::<crate::environment::standing_wood::StandingWood>()
             .register_type::<sensing::SensingJob>()
             .register_type::<sensing::ProbeCount>()
             .register_type::<crate::limits::GrowthLimits>()

@@ -1,7 +1,6 @@
 //! The wood of all plants as shoots find it in their way while they extend.
 
-use bevy::math::Vec3;
-use bevy::prelude::Resource;
+use bevy::prelude::*;
 
 use super::Capsule;
 use super::obstacles::{CLEARANCE, is_within};
@@ -14,8 +13,9 @@ const ROUNDS: usize = 6;
 const WIDEST_TURN: f32 = 0.866;
 
 /// Wood that stands, and what has grown in this step; empty where no species minds it. A resource.
-#[derive(Resource, Debug, Default)]
-pub struct StandingWood(Option<StemGrid<Capsule>>);
+#[derive(Resource, Debug, Default, Reflect)]
+#[reflect(Resource, Default)]
+pub struct StandingWood(#[reflect(ignore)] Option<StemGrid<Capsule>>);
 
 impl StandingWood {
     /// Forgets all wood; what comes is kept, in cells of that side (metres), if there is one.
