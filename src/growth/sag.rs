@@ -2,7 +2,7 @@
 //!
 //! Each step a stem bends by as much as its load asks beyond what has set before, so that a limb that was once
 //! weighed down keeps its bow when it has grown stout. What would go underground or into a solid does not bend, and an
-//! axis that comes to lie on another [rests](contact) there.
+//! axis that comes to lie on another rests there.
 
 mod contact;
 
