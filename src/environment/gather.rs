@@ -1,7 +1,7 @@
 //! Gathering: the plants of a snapshot as capsules and leaves of a scene.
 
 use super::{Capsule, Scene};
-use crate::plant::{OrganState, PlantRecord, Snapshot};
+use crate::plant::{Internode, OrganState, PlantRecord, Pose, Snapshot};
 use crate::shape::foliage::Foliage;
 
 /// The wood of all plants as capsules, one an internode, in birth order: for a scene, and for any physics crate.
@@ -27,13 +27,16 @@ pub fn capsules(snapshot: &Snapshot) -> impl Iterator<Item = Capsule> + '_ {
     snapshot.state.iter().enumerate().filter_map(|(i, state)| match state {
         OrganState::Internode(internode, _) => {
             let (organ, plant) = (snapshot.birth[i], snapshot.plant[i]);
-            let pose = &snapshot.pose[i];
             snapshot.plants.get(plant as usize)?.as_ref()?;
-            let (from, to) = (pose.position, pose.tip(internode.length));
-            Some(Capsule { from, to, radius: internode.radius, organ, plant })
+            Some(capsule(&snapshot.pose[i], internode, organ, plant))
         }
         _ => None,
     })
+}
+
+/// A stem segment as a capsule.
+pub fn capsule(pose: &Pose, internode: &Internode, organ: u32, plant: u32) -> Capsule {
+    Capsule { from: pose.position, to: pose.tip(internode.length), radius: internode.radius, organ, plant }
 }
 
 /// Adds the wood and leaves of all plants, in birth order: a capsule an internode, a patch a blade.

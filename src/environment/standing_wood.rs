@@ -2,10 +2,10 @@
 
 use bevy::prelude::*;
 
-use super::Capsule;
-use super::obstacles::{CLEARANCE, is_within};
+use super::obstacles::{self, Advance, CLEARANCE, is_within};
 use super::segment;
 use super::stem_grid::StemGrid;
+use super::{Capsule, StandingSolid};
 
 /// How often a shoot that turned aside may meet the next stem and turn again.
 const ROUNDS: usize = 6;
@@ -35,35 +35,62 @@ impl StandingWood {
         }
     }
 
-    /// Where a shoot of `radius` grows that wants to grow `length` along `heading` (metres, a unit vector), and what
-    /// wood it still has to heed on that way: it turns aside as little as it must to pass by what is in its way. If
-    /// that takes more than 30 degrees it keeps its heading, and has to heed all it could reach: it slides along it or
-    /// stops. A shoot that has to turn again, for a wall, may meet wood on its new way. Wood in which it begins,
-    /// as at a fork, is in nobody's way.
-    pub fn past(&self, from: Vec3, heading: Vec3, length: f32, radius: f32) -> (Vec3, Vec<Capsule>) {
-        let Some(grid) = &self.0 else { return (heading, Vec::new()) };
-        let girth = Vec3::splat(radius + CLEARANCE);
-        let near = |low: Vec3, high: Vec3| {
-            grid.near(low - girth, high + girth).filter(|stem| !is_within(stem, from))
-        };
+    /// How far and where a shoot of `radius` grows among solids, ground and wood that wants to grow `length` along
+    /// `heading` (metres, a unit vector): past wood with the least turn that does, else as along any
+    /// [obstacle](obstacles::advance). Wood in which it begins, as at a fork, is in nobody's way.
+    pub fn advance(
+        &self,
+        solids: &[StandingSolid],
+        ground: Option<f32>,
+        from: Vec3,
+        heading: Vec3,
+        length: f32,
+        radius: f32,
+    ) -> Advance {
+        if let Some(course) = self.past(from, heading, length, radius) {
+            let free = obstacles::advance(solids, &[], ground, from, course, length, radius);
+            if free.direction == course {
+                return free;
+            }
+            // Turned by a wall or the ground it may meet other wood.
+        }
+        let wood = self.reached(from, length, radius);
+        obstacles::advance(solids, &wood, ground, from, heading, length, radius)
+    }
+
+    /// The course nearest to `heading` on which a shoot passes by all wood in its way, if that takes no wide turn.
+    fn past(&self, from: Vec3, heading: Vec3, length: f32, radius: f32) -> Option<Vec3> {
         let mut course = heading;
         for _ in 0..ROUNDS {
             let to = from + course * length;
-            let met =
-                near(from.min(to), from.max(to)).filter_map(|stem| Meeting::with(stem, from, to, radius));
+            let near = self.near(from.min(to), from.max(to), from, radius);
+            let met = near.filter_map(|stem| Meeting::with(stem, from, to, radius));
             let Some(deepest) = met.max_by(|a, b| a.deep.total_cmp(&b.deep)) else {
-                return (course, Vec::new());
+                return Some(course);
             };
             course = (deepest.passes(course) - from).normalize_or(heading);
             if course.dot(heading) < WIDEST_TURN {
                 break;
             }
         }
+        None
+    }
+
+    /// All wood that a shoot could reach, in birth order.
+    fn reached(&self, from: Vec3, length: f32, radius: f32) -> Vec<Capsule> {
         let reach = Vec3::splat(length);
-        let mut reached: Vec<Capsule> = near(from - reach, from + reach).copied().collect();
+        let mut reached: Vec<Capsule> =
+            self.near(from - reach, from + reach, from, radius).copied().collect();
         reached.sort_by_key(|stem| stem.organ);
         reached.dedup_by_key(|stem| stem.organ);
-        (heading, reached)
+        reached
+    }
+
+    /// Wood near a box between two corners that a shoot does not begin in.
+    fn near(&self, low: Vec3, high: Vec3, from: Vec3, radius: f32) -> impl Iterator<Item = &Capsule> {
+        let girth = Vec3::splat(radius + CLEARANCE);
+        let stems = self.0.iter().flat_map(move |grid| grid.near(low - girth, high + girth));
+        stems.filter(move |stem| !is_within(stem, from))
     }
 }
 
@@ -107,7 +134,8 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::environment::obstacles::advance;
+    use crate::environment::SolidShape;
+    use crate::environment::obstacles::touches;
 
     fn stem(organ: u32, from: Vec3, to: Vec3, radius: f32) -> Capsule {
         Capsule { from, to, radius, organ, plant: 0 }
@@ -122,8 +150,7 @@ mod tests {
 
     /// Where a shoot of 5 mm grows that wants to grow a metre east.
     fn eastwards(wood: &StandingWood) -> (Vec3, f32) {
-        let (course, found) = wood.past(Vec3::ZERO, Vec3::X, 1.0, 0.005);
-        let got = advance(&[], &found, None, Vec3::ZERO, course, 1.0, 0.005);
+        let got = wood.advance(&[], None, Vec3::ZERO, Vec3::X, 1.0, 0.005);
         (got.direction, got.length)
     }
 
@@ -166,24 +193,33 @@ mod tests {
         #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
         #[test]
-        fn growth_never_enters_wood(
+        fn growth_enters_neither_wood_nor_a_wall_it_slides_along(
             stems in prop::collection::vec((place(), place(), 0.001_f32..0.1), 1..12),
             from in place(),
             direction in place(),
             length in 0.01_f32..1.0,
+            wall in prop::option::of(0.01_f32..0.5),
         ) {
             prop_assume!(direction.length() > 0.01);
             let heading = direction.normalize();
             let stems: Vec<Capsule> =
                 stems.iter().enumerate().map(|(i, (a, b, radius))| stem(i as u32, *a, *b, *radius)).collect();
-            let (course, found) = standing(&stems).past(from, heading, length, 0.004);
-            let got = advance(&[], &found, None, from, course, length, 0.004);
+            // A wall aslant in its way, that far from where it begins.
+            let facing = (heading + 0.5 * heading.any_orthonormal_vector()).normalize();
+            let walls = wall.map(|gap| StandingSolid {
+                shape: SolidShape::Box { size: Vec3::new(4.0, 1.0, 4.0) },
+                position: from + facing * (gap + 0.5),
+                rotation: Quat::from_rotation_arc(Vec3::Y, facing),
+                color: [0.5; 3],
+            });
+            let got = standing(&stems).advance(walls.as_slice(), None, from, heading, length, 0.004);
             let to = from + got.direction * got.length;
             for stem in stems.iter().filter(|stem| !is_within(stem, from)) {
                 let start = segment::gap((from, from), (stem.from, stem.to)) - stem.radius;
                 let kept = segment::gap((from, to), (stem.from, stem.to)) - stem.radius;
                 prop_assert!(kept >= start.min(0.004) - 2e-5, "{} of {}", kept, start.min(0.004));
             }
+            prop_assert!(!walls.iter().any(|wall| touches(wall, from, to, 0.0)));
         }
     }
 }

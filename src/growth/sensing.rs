@@ -256,8 +256,8 @@ pub fn request(
 
 fn search(species: &Species, shot: &Snapshot, i: usize, mechanisms: Mechanisms) -> Search {
     let order = shot.order[i];
-    let germinated = shot.plants[shot.plant[i] as usize].as_ref().and_then(|plant| plant.store.germinated);
-    let maturity = species.maturity(shot.step.saturating_sub(germinated.unwrap_or(shot.step)));
+    let age = shot.plants[shot.plant[i] as usize].as_ref().map_or(0, |plant| plant.store.age(shot.step));
+    let maturity = species.maturity(age);
     let reach = match species.allocation {
         Allocation::ByExposure if mechanisms.energy => {
             (shot.allotment[i] / species.shoot_cost).min(species.extension_m)

@@ -10,9 +10,10 @@ use super::nodes::{FreshNode, FreshNodes};
 use super::parts::{AT_ONCE, StepParts};
 use super::{Mechanisms, StepCount};
 use crate::chance::{self, Purpose};
+use crate::environment::gather::capsule;
 use crate::environment::obstacles::advance;
 use crate::environment::standing_wood::StandingWood;
-use crate::environment::{Capsule, Ground, Solid, StandingSolid};
+use crate::environment::{Ground, Solid, StandingSolid};
 use crate::plant::{
     Allotment, ApicalBud, Attachment, Bears, BranchOrder, EnergyLedger, EnergyStore, GrowsFrom, GrowthSpan,
     GrowthTarget, Identity, Internode, Lineage, NO_PARENT, Node, OrganKind, Plant, Pose, Roster,
@@ -59,20 +60,6 @@ pub struct Segment {
     pub node: Option<Node>,
     /// Phyllotaxis angle at that node, radians.
     pub phyllotaxis: f32,
-}
-
-impl Segment {
-    /// As wood in the way of others.
-    fn capsule(&self, organ: u32, plant: u32) -> Capsule {
-        let base = Pose { position: self.position, rotation: self.rotation };
-        Capsule {
-            from: self.position,
-            to: base.tip(self.internode.length),
-            radius: self.internode.radius,
-            organ,
-            plant,
-        }
-    }
 }
 
 /// What a shoot does not grow through.
@@ -139,12 +126,12 @@ pub fn extend(
         let (steering, signals) = (&mut tip.steering, &mut tip.signals);
         let steered = tropism::step(&control, steering, signals, tip.rotation, goal, acting);
         let (from, radius) = (tip.position, species.twig_radius_m);
-        let (course, wood) = if species.avoids_wood {
-            obstacles.wood.past(from, steered, wanted, radius)
+        let Obstacles { solids, wood, floor } = obstacles;
+        let step = if species.avoids_wood {
+            wood.advance(solids, floor, from, steered, wanted, radius)
         } else {
-            (steered, Vec::new())
+            advance(solids, &[], floor, from, steered, wanted, radius)
         };
-        let step = advance(obstacles.solids, &wood, obstacles.floor, from, course, wanted, radius);
         if step.length < LEAST {
             break;
         }
@@ -215,13 +202,7 @@ pub fn gather_wood(
         if roster.kind[i] == OrganKind::Internode
             && let Ok((pose, internode)) = stems.get(roster.entity[i])
         {
-            wood.add(Capsule {
-                from: pose.position,
-                to: pose.tip(internode.length),
-                radius: internode.radius,
-                organ: birth,
-                plant: roster.plant[i],
-            });
+            wood.add(capsule(pose, internode, birth, roster.plant[i]));
         }
     }
 }
@@ -333,6 +314,7 @@ pub fn extend_shoots(
         for (k, segment) in segments.iter().enumerate() {
             let index = roster.len() as u32;
             let birth = roster.next_birth;
+            let base = Pose { position: segment.position, rotation: segment.rotation };
             let newborn = Newborn {
                 plant: identity.plant,
                 plant_index,
@@ -341,7 +323,7 @@ pub fn extend_shoots(
                 lineage: segment_lineage(identity.lineage, step.0, k as u32),
                 order: order.0,
                 attachment: (below_rotation.inverse() * segment.rotation).normalize(),
-                pose: Pose { position: segment.position, rotation: segment.rotation },
+                pose: base,
                 span: GrowthSpan {
                     start: step.0 as f32 + k as f32 / count,
                     end: step.0 as f32 + (k + 1) as f32 / count,
@@ -352,7 +334,7 @@ pub fn extend_shoots(
                 Some(node) => newborn.bear(&mut commands, &mut roster, kind, (stem_state, node)),
                 None => newborn.bear(&mut commands, &mut roster, kind, stem_state),
             };
-            wood.add(segment.capsule(birth, plant_index));
+            wood.add(capsule(&base, &segment.internode, birth, plant_index));
             if let Some(node) = segment.node {
                 fresh.0.push(FreshNode {
                     internode,

@@ -110,10 +110,9 @@ pub fn settle(mut sinks: Vec<Sink>, total: f32, least: f32, control: impl Fn(u32
 /// Vigour that reaches every organ when `total` enters at the base.
 ///
 /// At a fork the main axis (children of the stem's own order) gets `(1 + c) W_m / ((1 + c) W_m + (1 - c) W_l)` of it,
-/// with W the demand of all each side bears and c the apical control of the order, within -1 and 1 (`2 lambda - 1` of Palubicki);
-/// within a side by demand. What bears
-/// no bud that can grow draws nothing to itself, though what it gathers counts for the branch it is on: all that
-/// enters comes to buds.
+/// with W the demand of all each side bears and c the apical control of the order, within -1 and 1 (`2 lambda - 1` of
+/// Palubicki); within a side by demand. What bears no bud that can grow draws nothing to itself, though what it gathers
+/// counts for the branch it is on: all that enters comes to buds.
 pub fn flow(sinks: &[Sink], total: f32, control: impl Fn(u32) -> f32) -> Vec<f32> {
     let mut demand: Vec<f32> = sinks.iter().map(|s| s.demand).collect();
     let mut grows: Vec<bool> = sinks.iter().map(|s| s.kind == SinkKind::Bud && s.demand > 0.0).collect();
