@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use bevy::math::Quat;
 use burgeon::environment::trace::Tracer;
 use burgeon::environment::workers::Workers;
 use burgeon::environment::{Scene, SunLight};
@@ -81,6 +82,10 @@ pub struct Vary {
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     gravitropism: f32,
 
+    /// How far the target leans over from the plant's own course, towards +x, degrees.
+    #[arg(long, default_value_t = 0.0, value_name = "DEG", value_parser = lean, allow_negative_numbers = true)]
+    lean: f32,
+
     /// How far the target turns with the parent stem: 0 keeps to gravity, 1 to the parent.
     #[arg(long, default_value_t = 0.0, value_name = "SHARE")]
     parent_share: f32,
@@ -100,6 +105,12 @@ fn degrees(text: &str) -> Result<f32, String> {
     angle.ok_or_else(|| "allowed: 0 to 114 degrees".into())
 }
 
+/// An angle to either side.
+fn lean(text: &str) -> Result<f32, String> {
+    let angle = text.parse::<f32>().ok().filter(|angle| angle.abs() <= 180.0);
+    angle.ok_or_else(|| "allowed: -180 to 180 degrees".into())
+}
+
 impl Vary {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
@@ -111,6 +122,7 @@ impl Vary {
             nutation_length: self.nutation_length,
             tropisms: Tropisms { gravi: self.gravitropism, ..Variation::default().tropisms },
             relative_to_parent: self.parent_share,
+            lean: Quat::from_rotation_z(-self.lean.to_radians()),
             sub_step: self.sub_step,
             ..Variation::default()
         };

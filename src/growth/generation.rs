@@ -122,15 +122,7 @@ pub fn derive_poses(
     let roots: Vec<Pose> = roster
         .plants
         .iter()
-        .map(|plant| {
-            let mut transform = Transform::IDENTITY;
-            let mut at = *plant;
-            while let Some(Ok((local, parent))) = at.map(|e| transforms.get(e)) {
-                transform = local.copied().unwrap_or_default().mul_transform(transform);
-                at = parent.map(ChildOf::parent);
-            }
-            Pose { position: transform.translation, rotation: transform.rotation }
-        })
+        .map(|plant| plant.map(|it| pose::standing(it, &transforms)).unwrap_or_default())
         .collect();
     let mut stems: Vec<pose::Stem> = Vec::with_capacity(roster.len());
     for i in 0..roster.len() {

@@ -16,7 +16,7 @@ use crate::environment::standing_wood::StandingWood;
 use crate::environment::{Ground, Solid, StandingSolid};
 use crate::plant::{
     Allotment, ApicalBud, Attachment, Bears, BranchOrder, EnergyLedger, EnergyStore, GrowsFrom, GrowthSpan,
-    GrowthTarget, Identity, Internode, Lineage, NO_PARENT, Node, OrganKind, Plant, Pose, Roster,
+    GrowthTarget, Identity, Internode, Lineage, NO_PARENT, Node, OrganKind, Plant, Pose, Roster, pose,
 };
 use crate::species::{Allocation, Species};
 use crate::tropism::{self, Control, Influence, Signals, Steering, Tropisms};
@@ -28,6 +28,8 @@ pub struct Tip {
     pub position: Vec3,
     /// Its turn.
     pub rotation: Quat,
+    /// Turn of the stem, or plant, that bears its axis.
+    pub bearer: Quat,
     /// Its counters.
     pub bud: ApicalBud,
     /// Its controller.
@@ -111,8 +113,9 @@ pub fn extend(
     let control = Control::of(species);
     let tropisms = Tropisms::of(species, order);
     if !tropisms.only_light() && tip.signals.outset == Vec3::ZERO {
-        tip.signals.outset = tip.rotation * Vec3::Y;
+        tip.signals.outset = tip.bearer.inverse() * tip.rotation * Vec3::Y;
     }
+    let outset = tip.bearer * tip.signals.outset;
     let mut left = plan.length;
     let mut segments = Vec::new();
     let mut nodes = 0;
@@ -121,7 +124,7 @@ pub fn extend(
         // The last sub-segment is cut to fit (`ST-10`).
         let wanted = species.internode_m.min(to_node).min(left).max(LEAST);
         let along = tip.bud.height_in_branch;
-        let goal = tropisms.set_point(target, tip.signals.outset, Vec3::Y, along);
+        let goal = tropisms.set_point(target, outset, Vec3::Y, along);
         let acting = influence(along);
         let (steering, signals) = (&mut tip.steering, &mut tip.signals);
         let steered = tropism::step(&control, steering, signals, tip.rotation, goal, acting);
@@ -217,6 +220,8 @@ pub fn extend_shoots(
     mechanisms: Res<Mechanisms>,
     ground: Res<Ground>,
     plants: Query<(&Plant, &EnergyStore)>,
+    stems: Query<(&Pose, &Internode), Without<ApicalBud>>,
+    transforms: Query<(Option<&Transform>, Option<&ChildOf>)>,
     mut ledgers: Query<&mut EnergyLedger>,
     solids: Query<(&Solid, &Transform)>,
     mut buds: Query<(
@@ -277,9 +282,19 @@ pub fn extend_shoots(
         }
         let energy = if mechanisms.energy { allotment.0 } else { full_energy(species, order.0) };
         let parent = roster.parent[i];
+        let bearer = if Tropisms::of(species, order.0).only_light() {
+            Quat::IDENTITY
+        } else {
+            let stem = |organ: u32| stems.get(roster.entity[organ as usize]).ok();
+            match bearing_stem(parent, bud.height_in_branch > 0.0, &roster.parent, |i| stem(i).map(|s| s.1)) {
+                NO_PARENT => pose::standing(identity.plant, &transforms).rotation,
+                bearing => stem(bearing).map_or(Quat::IDENTITY, |(pose, _)| pose.rotation),
+            }
+        };
         let mut tip = Tip {
             position: pose.position,
             rotation: pose.rotation,
+            bearer,
             bud: *bud,
             steering: *steering,
             signals: *signals,
@@ -369,6 +384,24 @@ pub fn extend_shoots(
     moved.resize(roster.len(), false);
     let stays: Vec<bool> = moved.iter().map(|m| !m).collect();
     roster.retain(&stays);
+}
+
+/// The stem that bears an axis whose tip grows from `below`, or [`NO_PARENT`] where the plant itself does; `set_out`:
+/// whether the axis has stems of its own already.
+fn bearing_stem<'a>(
+    below: u32,
+    set_out: bool,
+    parents: &[u32],
+    stem: impl Fn(u32) -> Option<&'a Internode>,
+) -> u32 {
+    let mut at = below;
+    let mut own = set_out;
+    while own && at != NO_PARENT {
+        // The first of an axis is as long as the axis is high.
+        own = stem(at).is_some_and(|wood| wood.height_in_branch > 1.0001 * wood.length);
+        at = parents[at as usize];
+    }
+    at
 }
 
 /// Height at which a shoot that starts at height `from` stops as on the ground: side axes keep their species'

@@ -29,3 +29,14 @@ impl Stem {
         Pose { position, rotation }
     }
 }
+
+/// Pose of a plant in the world, by its transform and those of the entities it is a child of.
+pub fn standing(plant: Entity, transforms: &Query<(Option<&Transform>, Option<&ChildOf>)>) -> Pose {
+    let mut transform = Transform::IDENTITY;
+    let mut at = Some(plant);
+    while let Some(Ok((local, parent))) = at.map(|entity| transforms.get(entity)) {
+        transform = local.copied().unwrap_or_default().mul_transform(transform);
+        at = parent.map(ChildOf::parent);
+    }
+    Pose { position: transform.translation, rotation: transform.rotation }
+}

@@ -23,7 +23,8 @@ pub struct Signals {
     pub(super) sum: Vec2,
     /// The error sensed last, radians, for derivative control.
     pub(super) last: Vec2,
-    /// The heading in which the axis left its parent stem, a unit vector in the world; zero where no tropism asks.
+    /// The heading in which the axis left the stem, or plant, that bears it, a unit vector in that one's frame; zero
+    /// where no tropism asks.
     pub outset: Vec3,
 }
 
@@ -59,11 +60,6 @@ impl TryFrom<Packed> for Signals {
 }
 
 impl Signals {
-    /// Those of an axis that leaves its parent stem along a heading, a unit vector in the world.
-    pub fn setting_out(outset: Vec3) -> Self {
-        Self { outset, ..Self::default() }
-    }
-
     /// Whether there is nothing in it that growth depends on.
     pub fn is_default(&self) -> bool {
         *self == Self::default()

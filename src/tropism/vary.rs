@@ -39,6 +39,9 @@ pub struct Variation {
     pub nutation_length: f32,
     /// Target relative to gravity (0), to the parent stem (1), or blended (`ST-11`).
     pub relative_to_parent: f32,
+    /// Turn of the whole target, about the origin, from the base model's course: a plant that sets out upright bends
+    /// over to it (`ST-12`, figure 14).
+    pub lean: Quat,
     /// What else draws it; `photo` weighs the base model's own course.
     pub tropisms: Tropisms,
     /// Length of a sub-step, metres; `None`: a sixtieth of the longest axis. The last of a segment is cut to fit.
@@ -56,6 +59,7 @@ impl Default for Variation {
             nutation: 0.0,
             nutation_length: 1.0,
             relative_to_parent: 0.0,
+            lean: Quat::IDENTITY,
             tropisms: Tropisms { photo: 1.0, gravi: 0.0, ortho: 0.0, plagio: 0.0, auto: 0.0, reach: 1.0 },
             sub_step: None,
         }
@@ -97,6 +101,7 @@ impl Variation {
             ("orthotropism", self.tropisms.ortho, 0.0, 100.0, "0 to 100"),
             ("plagiotropism", self.tropisms.plagio, 0.0, 100.0, "0 to 100"),
             ("autotropism", self.tropisms.auto, 0.0, 100.0, "0 to 100"),
+            ("the lean's quaternion, its length", self.lean.length(), 0.999, 1.001, "1"),
             ("the share relative to the parent", self.relative_to_parent, 0.0, 1.0, "0 to 1"),
             ("the sub-step", sub_step, 1e-5, 1e4, "0.00001 to 10000 m"),
             ("the reach of orthotropism", self.tropisms.reach, 1e-3, 1e4, "0.001 to 10000 m"),
@@ -130,7 +135,9 @@ struct End {
     frame: Quat,
     steering: Steering,
     signals: Signals,
-    /// Turn from the base model to the sibling where the axis leaves its parent.
+    /// Heading in which the axis left its parent.
+    outset: Vec3,
+    /// Turn from the base model to the sibling where the axis leaves its parent; of the first axis, the lean.
     carried: Quat,
     /// Length of the axis so far, metres.
     along: f32,
@@ -179,10 +186,13 @@ fn grow(base: &Skeleton, variation: &Variation, sub_step: f32, seed: u64) -> Ske
     let mut sibling = Skeleton { segments: Vec::with_capacity(base.segments.len()), ..Skeleton::default() };
     let mut ends: Vec<End> = Vec::with_capacity(base.segments.len());
     for (i, stem) in base.segments.iter().enumerate() {
-        let mut end = begin(base, stem, &ends);
+        let mut end = begin(base, stem, variation.lean, &ends);
         let course = stem.pose.heading();
         let carried = end.carried * course;
-        let chosen = course.lerp(carried, variation.relative_to_parent).try_normalize().unwrap_or(carried);
+        let chosen = (variation.lean * course)
+            .lerp(carried, variation.relative_to_parent)
+            .try_normalize()
+            .unwrap_or(carried);
         // A stream a segment: cutting another segment finer changes nothing here.
         let mut rng = Pcg64Mcg::seed_from_u64(mix(seed ^ mix(i as u64)));
         // The last sub-segment is cut to fit; one too short to see is joined to it.
@@ -191,7 +201,7 @@ fn grow(base: &Skeleton, variation: &Variation, sub_step: f32, seed: u64) -> Ske
         for k in 1..=pieces {
             let last = k == pieces;
             let length = if last { left } else { sub_step.min(left) };
-            let target = variation.tropisms.set_point(chosen, end.signals.outset, Vec3::Y, end.along);
+            let target = variation.tropisms.set_point(chosen, end.outset, Vec3::Y, end.along);
             let influence = Influence {
                 sensing: Spread::Gaussian.draw(variation.sensing_error, &mut rng),
                 disturbance: variation.spread.draw(variation.disturbance, &mut rng)
@@ -229,15 +239,16 @@ fn grow(base: &Skeleton, variation: &Variation, sub_step: f32, seed: u64) -> Ske
 }
 
 /// Where a segment begins: at its parent's varied end, with the corner of the base model (`ST-11`).
-fn begin(base: &Skeleton, stem: &StemSegment, ends: &[End]) -> End {
+fn begin(base: &Skeleton, stem: &StemSegment, lean: Quat, ends: &[End]) -> End {
     let Some(below) = base.segments.get(stem.parent as usize) else {
         return End {
             piece: NO_PARENT,
             tip: stem.pose.position,
             frame: stem.pose.rotation,
             steering: Steering::default(),
-            signals: Signals::setting_out(stem.pose.heading()),
-            carried: Quat::IDENTITY,
+            signals: Signals::default(),
+            outset: stem.pose.heading(),
+            carried: lean,
             along: 0.0,
         };
     };
@@ -248,6 +259,14 @@ fn begin(base: &Skeleton, stem: &StemSegment, ends: &[End]) -> End {
     if below.order == stem.order {
         return End { tip, frame, ..*end };
     }
-    let signals = Signals::setting_out(frame * Vec3::Y);
-    End { tip, frame, steering: Steering::default(), signals, carried: turn, along: 0.0, ..*end }
+    End {
+        tip,
+        frame,
+        steering: Steering::default(),
+        signals: Signals::default(),
+        outset: frame * Vec3::Y,
+        carried: turn,
+        along: 0.0,
+        ..*end
+    }
 }

@@ -7,6 +7,7 @@ fn shoot(species: &Species, turn: Quat, target: Vec3, seed: u64) -> Vec<Vec3> {
     let mut tip = Tip {
         position: Vec3::ZERO,
         rotation: turn,
+        bearer: Quat::IDENTITY,
         bud: ApicalBud::default(),
         steering: Steering::default(),
         signals: Signals::default(),

@@ -33,6 +33,45 @@ fn siblings_keep_the_species_and_no_two_are_alike() {
 }
 
 #[test]
+fn over_the_useful_range_siblings_keep_their_height() {
+    let base = five_hundred_internodes();
+    let workers = Workers::new(2).unwrap();
+    // Lags of 4 % to 30 % of sixty sub-steps, ratios from just above the edge (`ST-6`).
+    for lag in [3, 5, 10, 18] {
+        for ratio in [0.8, 1.0, 1.2] {
+            let control = Control::of_ratio(ratio, lag).unwrap();
+            let variation = Variation { control, ..Variation::default() };
+            let all = siblings(&base, &variation, 3, 50, &workers).unwrap();
+            let heights = all.iter().map(|one| one.height() / base.height());
+            let [low, high] = heights.fold([9.0_f32, 0.0_f32], |[l, h], it| [l.min(it), h.max(it)]);
+            println!(
+                "lag {lag}, ratio {ratio}: heights of 50 siblings {low:.3} to {high:.3} of the base model's"
+            );
+            assert!(low > 0.9 && high < 1.06, "lag {lag}, ratio {ratio}: {low} {high}");
+        }
+    }
+}
+
+#[test]
+fn a_lean_bends_the_plant_over_to_its_side() {
+    let trunk = {
+        let mut one = Skeleton::default();
+        one.add_stem(None, &[Vec3::ZERO, Vec3::Y * 6.0], [0.15, 0.1]);
+        one
+    };
+    for (seed, lean_deg) in [(1, 30.0_f32), (2, -20.0), (3, 0.0)] {
+        let lean = Quat::from_rotation_z(-lean_deg.to_radians());
+        let one = vary(&trunk, &Variation { lean, ..Variation::default() }, seed).unwrap();
+        let (base, top) = (&one.segments[0], one.segments.last().unwrap().tip());
+        assert!(base.pose.heading().y > 0.98, "it sets out upright: {}", base.pose.heading());
+        let leans = bevy::math::ops::atan2(top.x, top.y).to_degrees();
+        assert!((leans - lean_deg).abs() < 8.0, "{leans} for {lean_deg}");
+    }
+    let slack = Variation { lean: Quat::from_xyzw(0.0, 0.0, 0.0, 0.4), ..Variation::default() };
+    assert!(vary(&trunk, &slack, 1).unwrap_err().to_string().contains("lean"));
+}
+
+#[test]
 fn st_11_without_noise_a_sibling_is_its_base_model_and_corners_stay() {
     let still = Variation { sensing_error: 0.0, disturbance: 0.0, ..Variation::default() };
     let base = five_hundred_internodes();

@@ -69,6 +69,41 @@ fn gather_wood_lets_shoots_grow_round_what_stands_in_their_way() {
     }
 }
 
+/// Heading of what a side axis grows after its trunk has leant over by an angle, radians.
+fn side_axis_on_a_trunk_that_leans(by: f32, set_out: bool, drawn: Species) -> Vec3 {
+    let mut nursery = Nursery::new(Species { internode_m: 0.1, node_spacing_m: 0.1, ..drawn });
+    let trunk = nursery.stem(None, 0.2);
+    let bud = nursery.apical_bud(Some(trunk), 1.0, 0.5);
+    nursery.set(bud, Attachment(Quat::from_rotation_z(-0.9)));
+    nursery.run(derive_poses);
+    let grow = |nursery: &mut Nursery| {
+        let heading = nursery.get::<Pose>(bud).heading();
+        nursery.set(bud, GrowthTarget { heading, fitness: 1.0 });
+        nursery.set(bud, Allotment(0.5));
+        nursery.run(shoots::extend_shoots);
+    };
+    for _ in 0..if set_out { 3 } else { 0 } {
+        grow(&mut nursery);
+    }
+    nursery.set(trunk, Attachment(Quat::from_rotation_x(by)));
+    nursery.run(derive_poses);
+    grow(&mut nursery);
+    nursery.get::<Pose>(bud).heading()
+}
+
+#[test]
+fn st_11_a_target_relative_to_the_parent_turns_with_a_parent_that_leans_over() {
+    let relative = Species { phototropism: ByOrder::all(0.0), autotropism: ByOrder::all(1.0), ..lam_king() };
+    let outset = Quat::from_rotation_z(-0.9) * Vec3::Y;
+    for (by, set_out) in [(0.0, false), (0.7, false), (0.0, true), (0.7, true), (-1.2, true)] {
+        let heading = side_axis_on_a_trunk_that_leans(by, set_out, relative.clone());
+        assert!(heading.distance(Quat::from_rotation_x(by) * outset) < 1e-4, "{by} {set_out}: {heading}");
+    }
+    // A target relative to gravity stays.
+    let upright = Species { gravitropism: ByOrder::all(1.0), autotropism: ByOrder::all(0.0), ..relative };
+    assert!(side_axis_on_a_trunk_that_leans(0.7, true, upright).distance(Vec3::Y) < 1e-4);
+}
+
 #[test]
 fn extend_shoots_leaves_a_bud_without_energy_waiting() {
     let mut nursery = Nursery::new(lam_king());

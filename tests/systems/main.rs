@@ -16,11 +16,12 @@ use burgeon::growth::{
     Mechanisms, Stage, StepCount, buds, energy, finish, generation, liabilities, share, shoots, sprouts, wood,
 };
 use burgeon::plant::{
-    Allotment, ApicalBud, BranchOrder, Cause, EnergyFlow, EnergyLedger, EnergyStore, Exposure, Fallen,
-    GrowsFrom, GrowthTarget, Identity, Internode, LateralBud, LateralBudState, Leaf, LeafState, Lineage,
-    Node, OrganKind, OrganShed, Plant, Pose,
+    Allotment, ApicalBud, Attachment, BranchOrder, Cause, EnergyFlow, EnergyLedger, EnergyStore, Exposure,
+    Fallen, GrowsFrom, GrowthTarget, Identity, Internode, LateralBud, LateralBudState, Leaf, LeafState,
+    Lineage, Node, OrganKind, OrganShed, Plant, Pose,
 };
 use burgeon::species::Species;
+use burgeon::species::parameter::ByOrder;
 use common::by_hand::Nursery;
 
 /// The constants of the paper, without the chance in angles.

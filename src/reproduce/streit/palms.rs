@@ -54,10 +54,10 @@ pub fn palms(
     let mut lean = Vec::new();
     for (n, (x, z, scale)) in PLACES.into_iter().enumerate() {
         let tilt = TILTED.iter().position(|t| *t == n).map_or(0.0, |k| TILT_DEG[k]);
-        // Tilting the base model tilts the course the plant tries to keep.
-        let turn = Quat::from_rotation_z(-tilt.to_radians()) * Quat::from_rotation_y(1.9 * n as f32);
-        let base = model.skeleton.moved(Transform::from_rotation(turn));
-        let mut palm = vary(&base, &variation, seeds.start() + n as u64)?;
+        // It sets out upright; only the course it tries to keep is tilted.
+        let base = model.skeleton.moved(Transform::from_rotation(Quat::from_rotation_y(1.9 * n as f32)));
+        let leaning = Variation { lean: Quat::from_rotation_z(-tilt.to_radians()), ..variation };
+        let mut palm = vary(&base, &leaning, seeds.start() + n as u64)?;
         lines.push(palm.segments.iter().filter(|s| s.order == 0).map(|s| s.tip()).collect());
         let top = lines[n].last().copied().unwrap_or(Vec3::Y);
         lean.push((tilt, ops::atan2(top.x, top.y).to_degrees()));

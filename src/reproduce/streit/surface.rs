@@ -111,6 +111,14 @@ pub fn auxin(size: PictureSettings, workers: &Workers) -> Result<Findings, Repro
     let [first, second] = solids;
     let (first, second) = (first?, second?);
     let of = |name: &str| ends.iter().find(|e| e.0 == name).map_or((0.0, 0.0), |e| (e.1, e.2));
+    let bend = |name: &str| ends.iter().find(|e| e.0 == name).map_or([0.0; 2], |e| bend_of(&e.3));
+    let [place, stretch] = bend("as it is");
+    let [back, wide, weak, strong] = [
+        bend("zone further back")[0],
+        bend("wider zone")[1],
+        bend("weak inhibition")[1],
+        bend("strong inhibition")[1],
+    ];
     let claims = vec![
         Claim {
             row: "ST-4",
@@ -130,14 +138,28 @@ pub fn auxin(size: PictureSettings, workers: &Workers) -> Result<Findings, Repro
         },
         Claim {
             row: "ST-4",
-            paper: "(d) zone, transport and inhibition change the shape: a later signal overshoots further",
+            paper: "(d) place and size of the growth zone change the shape",
             measured: format!(
-                "past gravity by {:.1} degrees, slow transport {:.1}; weak inhibition ends at {:.1}",
-                -of("as it is").1,
-                -of("slow transport").1,
-                of("weak inhibition").0,
+                "bends {place:.1} mm from its base over {stretch:.1} mm; zone further back: {back:.1} mm from it; wider \
+                 zone: over {wide:.1} mm"
             ),
-            holds: of("slow transport").1 < of("as it is").1 - 3.0,
+            holds: back < place - 1.0 && wide > stretch + 1.0,
+        },
+        Claim {
+            row: "ST-4",
+            paper: "(d) so does the rate of transport: a later signal overshoots further",
+            measured: format!(
+                "past gravity by {:.1} degrees, slow transport {:.1}",
+                -of("as it is").1,
+                -of("slow transport").1
+            ),
+            holds: of("slow transport").1 < of("as it is").1 - 20.0,
+        },
+        Claim {
+            row: "ST-4",
+            paper: "(d) so does the inhibition: the weaker, the wider the bend",
+            measured: format!("bends over {weak:.1} mm where it is weak, {strong:.1} mm where it is strong"),
+            holds: weak > stretch + 1.0 && strong < stretch,
         },
         Claim {
             row: "ST-4",
@@ -162,6 +184,25 @@ pub fn auxin(size: PictureSettings, workers: &Workers) -> Result<Findings, Repro
             ("solid.png".into(), canvas::grid(&solids, 3, 4)),
         ],
     })
+}
+
+/// Where along a root it bends, millimetres: the middle of its turning from the base, and the length on which the
+/// middle four fifths of it lie.
+fn bend_of(root: &AuxinRoot) -> [f32; 2] {
+    let poses = root.assemble();
+    let turns: Vec<f32> = poses.windows(2).map(|p| p[0].heading().angle_between(p[1].heading())).collect();
+    let whole: f32 = turns.iter().sum();
+    let place = |share: f32| {
+        let (mut turned, mut along) = (0.0, 0.0);
+        for (turn, segment) in turns.iter().zip(&root.segments) {
+            (turned, along) = (turned + turn, along + segment.length());
+            if turned >= share * whole {
+                break;
+            }
+        }
+        along
+    };
+    [place(0.5), place(0.9) - place(0.1)]
 }
 
 /// Angle of the tip to gravity in its plane, degrees; below 0 beyond it.
