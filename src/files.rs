@@ -17,7 +17,7 @@ mod source;
 mod species;
 
 pub use mtg::{mtg_skeletons, read_mtg};
-pub use read::{inside, read_text, replace_file, write_whole};
+pub use read::{inside, read_plant_text, read_text, replace_file, write_whole};
 #[cfg(feature = "assets")]
 pub(crate) use read::{leads_down, text_of};
 pub use run::{Likeness, RunFile, StepHashes};

@@ -87,6 +87,8 @@ pub const FACE: u32 = 512;
 pub const ORDERS: usize = 64;
 /// Bytes of a file people write.
 pub const FILE_BYTES: u64 = 4 << 20;
+/// Bytes of a skeleton file, which a program may have written.
+pub const SKELETON_BYTES: u64 = 64 << 20;
 /// Nested brackets of such a file.
 pub const NESTING: usize = 64;
 /// Sessions that ended in order whose saves are kept; of the others all are.

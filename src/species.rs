@@ -233,7 +233,7 @@ parameters! {
         nutation_deg: f32 = 0.0, "deg", Range::real(0.0, 90.0);
         /// Length grown while nutation circles once: a hundredth of a shoot makes a fine screw, all of it one bow.
         nutation_m: f32 = 1.0, "m", Range::real(0.001, 1000.0);
-        /// Phototropism by order: weight in the target of the heading that light and space chose; 0 is blind to them, 100 to all else.
+        /// Phototropism by order: weight in the target of the heading that light and space chose; 0 is blind to them: nothing else drawing it, a shoot goes straight on; 100 is blind to all else.
         phototropism: ByOrder = ByOrder::all(1.0), "", Range::real(0.0, 100.0);
         /// Gravitropism by order: weight of up in the target; below 0 of down, and shoots hang; 100 stands every shoot upright, -100 lets it hang straight, both blind to light.
         gravitropism: ByOrder = ByOrder::all(0.0), "", Range::real(-100.0, 100.0);

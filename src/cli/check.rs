@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use burgeon::assets::FileKind;
-use burgeon::files::{RunFile, SkeletonFile, is_save, is_skeleton, read_mtg, read_text};
+use burgeon::files::{RunFile, SkeletonFile, is_save, is_skeleton, read_mtg, read_plant_text};
 use burgeon::plant::skeleton::Skeleton;
 use burgeon::scenario::SavedRun;
 use burgeon::species::Species;
@@ -60,7 +60,7 @@ fn check(path: &Path, library: &burgeon::assets::Library) -> Result<String, Fail
         let nodes: usize = plants.iter().map(Skeleton::nodes).sum();
         return Ok(format!("an MTG of {} plants with {nodes} nodes", plants.len()));
     }
-    let text = read_text(path)?;
+    let text = read_plant_text(path)?;
     let file = path.display().to_string();
     if is_skeleton(&text) {
         let (read, skeleton) = SkeletonFile::from_ron(&text, &file)?;

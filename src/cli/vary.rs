@@ -9,14 +9,15 @@ use burgeon::environment::{Scene, SunLight};
 use burgeon::export::canvas::{caption, grid};
 use burgeon::export::film::save_png;
 use burgeon::export::picture::{Bounds, Camera, Palette, PictureSettings, render};
-use burgeon::files::{RunFile, SkeletonFile, StepHashes, is_save, is_skeleton, read_mtg, read_text};
+use burgeon::files::{RunFile, SkeletonFile, StepHashes, is_save, is_skeleton, read_mtg, read_plant_text};
+use burgeon::limits::SKELETON_BYTES;
 use burgeon::plant::Snapshot;
 use burgeon::plant::skeleton::{Skeleton, SkeletonError};
 use burgeon::scenario::{Garden, SavedRun};
 use burgeon::species::Species;
 use burgeon::tropism::stability::stability;
 use burgeon::tropism::vary::{Variation, siblings};
-use burgeon::tropism::{Control, LONGEST_LAG, Tropisms};
+use burgeon::tropism::{Control, LONGEST_LAG, Spread, Tropisms};
 use clap::Args;
 use image::RgbImage;
 
@@ -82,6 +83,34 @@ pub struct Vary {
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     gravitropism: f32,
 
+    /// Weight of up in the target that an axis reaches only with length: its end turns upright.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    orthotropism: f32,
+
+    /// Length of an axis over which its orthotropism rises.
+    #[arg(long, default_value_t = 1.0, value_name = "METRES")]
+    orthotropism_m: f32,
+
+    /// Weight of the level in the target.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    plagiotropism: f32,
+
+    /// Weight in the target of the heading in which an axis left its parent.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    autotropism: f32,
+
+    /// Integral control, times the gain: takes away a steady lean.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    integral: f32,
+
+    /// Derivative control, times the gain: damps swings.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    derivative: f32,
+
+    /// Disturbances of any size up to --disturbance alike, instead of Gaussian ones.
+    #[arg(long)]
+    uniform: bool,
+
     /// How far the target leans over from the plant's own course, towards +x, degrees.
     #[arg(long, default_value_t = 0.0, value_name = "DEG", value_parser = lean, allow_negative_numbers = true)]
     lean: f32,
@@ -90,7 +119,7 @@ pub struct Vary {
     #[arg(long, default_value_t = 0.0, value_name = "SHARE")]
     parent_share: f32,
 
-    /// Length of a sub-step [default: a sixtieth of the longest axis].
+    /// Length of a sub-step, at most an internode's [default: a sixtieth of the longest axis]. Axes of fewer sub-steps than the lag end before they are corrected.
     #[arg(long, value_name = "METRES")]
     sub_step: Option<f32>,
 
@@ -115,16 +144,27 @@ impl Vary {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
         let variation = Variation {
-            control: Control::of_ratio(self.ratio, self.lag)?,
+            control: Control {
+                integral: self.integral,
+                derivative: self.derivative,
+                ..Control::of_ratio(self.ratio, self.lag)?
+            },
+            spread: if self.uniform { Spread::Uniform } else { Spread::Gaussian },
             sensing_error: self.sensing_error.to_radians(),
             disturbance: self.disturbance.to_radians(),
             nutation: self.nutation.to_radians(),
             nutation_length: self.nutation_length,
-            tropisms: Tropisms { gravi: self.gravitropism, ..Variation::default().tropisms },
+            tropisms: Tropisms {
+                gravi: self.gravitropism,
+                ortho: self.orthotropism,
+                reach: self.orthotropism_m,
+                plagio: self.plagiotropism,
+                auto: self.autotropism,
+                ..Variation::default().tropisms
+            },
             relative_to_parent: self.parent_share,
             lean: Quat::from_rotation_z(-self.lean.to_radians()),
             sub_step: self.sub_step,
-            ..Variation::default()
         };
         variation.check()?;
         let meter = stability(&variation.control)?;
@@ -155,7 +195,14 @@ impl Vary {
         folder.text("siblings.csv", &table(&all))?;
         for (n, sibling) in (1..).zip(&grown) {
             let name = format!("sibling_{n:03}");
-            folder.text(&plant(n), &SkeletonFile::of(sibling, &name, &species.name).to_ron())?;
+            let text = SkeletonFile::of(sibling, &name, &species.name).to_ron();
+            if text.len() as u64 > SKELETON_BYTES {
+                eprintln!(
+                    "burgeon: a file of {name} would be larger than is read: none is written; longer sub-steps make fewer pieces"
+                );
+                break;
+            }
+            folder.text(&plant(n), &text)?;
         }
         let shown = if self.sheet_only { all.len().min(SHEET + 1) } else { all.len() };
         let images = draw(&all[..shown], &species, &workers);
@@ -168,13 +215,17 @@ impl Vary {
         }
         save_png(&folder.file("siblings.png"), &grid(&sheet, 5, 3))?;
 
-        let heights = grown.iter().map(Skeleton::height);
-        let [low, high] = [heights.clone().fold(f32::MAX, f32::min), heights.fold(0.0, f32::max)];
+        let range = |of: &dyn Fn(&Skeleton) -> f64, digits: usize| {
+            let [low, high] = grown.iter().map(of).fold([f64::MAX, 0.0], |[l, h], it| [it.min(l), it.max(h)]);
+            let [low, high] = [low, high].map(|it| format!("{it:.digits$}"));
+            if low == high { low } else { format!("{low} to {high}") }
+        };
         say(format_args!(
-            "{} siblings of {name}: {} nodes and {:.2} m of stem each, {low:.2} to {high:.2} m high; base {:.2} m",
+            "{} siblings of {name}: {} nodes and {} m of stem each, {} m high; base {:.2} m",
             grown.len(),
-            base.nodes(),
-            base.total_length(),
+            range(&|sibling| sibling.nodes() as f64, 0),
+            range(&Skeleton::total_length, 2),
+            range(&|sibling| sibling.height().into(), 2),
             base.height(),
         ));
         say(format_args!("{}: {} files", folder.path().display(), folder.written.len()));
@@ -198,7 +249,7 @@ impl Vary {
             return Ok((skeleton, library.species(self.species.as_deref().unwrap_or("lam_king"))?));
         }
         if extension == "ron" {
-            let text = read_text(path)?;
+            let text = read_plant_text(path)?;
             if is_skeleton(&text) {
                 self.is_finished("a skeleton file")?;
                 let (file, skeleton) = SkeletonFile::from_ron(&text, &self.plant)?;

@@ -16,6 +16,18 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
     read_up_to(path, limits::FILE_BYTES)
 }
 
+/// Reads a text file of at most [`limits::FILE_BYTES`], or [`limits::SKELETON_BYTES`] if it is a skeleton file.
+///
+/// # Errors
+/// As [`read_text`].
+pub fn read_plant_text(path: &Path) -> Result<String, FileError> {
+    let text = read_up_to(path, limits::SKELETON_BYTES)?;
+    if text.len() as u64 > limits::FILE_BYTES && !super::is_skeleton(&text) {
+        return Err(FileError::TooLarge { file: path.display().to_string(), limit: limits::FILE_BYTES });
+    }
+    Ok(text)
+}
+
 /// The text of a file of at most so many bytes.
 pub(super) fn read_up_to(path: &Path, most: u64) -> Result<String, FileError> {
     let file = path.display().to_string();

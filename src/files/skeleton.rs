@@ -56,11 +56,14 @@ pub struct Stem {
     pub points: Vec<Vec3>,
     /// Radius at its base and its tip, metres.
     pub radii: (f32, f32),
+    /// Which of its points are nodes, from 0, ascending; none named: all after the first. At the others one piece of a
+    /// segment follows another.
+    pub nodes: Vec<u32>,
 }
 
 impl Default for Stem {
     fn default() -> Self {
-        Self { on: None, points: Vec::new(), radii: (0.01, 0.005) }
+        Self { on: None, points: Vec::new(), radii: (0.01, 0.005), nodes: Vec::new() }
     }
 }
 
@@ -130,9 +133,17 @@ impl SkeletonFile {
                         on: below.map(|below| ends[below]),
                         points: vec![segment.pose.position, segment.tip()],
                         radii: (segment.radius, segment.radius),
+                        nodes: Vec::new(),
                     });
                 }
             }
+            if segment.node {
+                let (stem, point) = ends[ends.len() - 1];
+                file.stems[stem as usize].nodes.push(point);
+            }
+        }
+        for stem in file.stems.iter_mut().filter(|stem| stem.nodes.len() + 1 == stem.points.len()) {
+            stem.nodes.clear();
         }
         let leaves = skeleton.leaves.iter();
         file.leaves = leaves
@@ -208,7 +219,18 @@ impl SkeletonFile {
                     return wrong(at("points"), stem.points[0].to_string(), &allowed);
                 }
             }
-            made.push(skeleton.add_stem(on, &stem.points, radii));
+            let last = stem.points.len() as u32 - 1;
+            let ascend = stem.nodes.windows(2).all(|two| two[0] < two[1]);
+            if !ascend || stem.nodes.iter().any(|node| !(1..=last).contains(node)) {
+                let allowed = format!("numbers of points from 1 to {last}, ascending");
+                return wrong(at("nodes"), format!("{:?}", stem.nodes), &allowed);
+            }
+            let segments = skeleton.add_stem(on, &stem.points, radii);
+            for (point, segment) in (1..).zip(&segments) {
+                skeleton.segments[*segment as usize].node =
+                    stem.nodes.is_empty() || stem.nodes.binary_search(&point).is_ok();
+            }
+            made.push(segments);
         }
         for (i, leaf) in self.leaves.iter().enumerate() {
             let at = |field: &str| format!("leaves[{i}].{field}");
@@ -248,6 +270,7 @@ fn allowed(path: &[String]) -> Option<String> {
 mod tests {
     use super::*;
     use crate::plant::skeleton::StemSegment;
+    use crate::tropism::vary::{Variation, vary};
 
     const LILY: &str = "(stems: [(points: [(0, 0, 0), (0, 0.5, 0), (0, 1, 0)]),
         (on: (0, 1), points: [(0, 0.5, 0), (0.3, 0.6, 0)], radii: (0.002, 0.001))],
@@ -279,6 +302,18 @@ mod tests {
     }
 
     #[test]
+    fn a_sibling_is_read_back_with_the_nodes_it_has() {
+        let (_, lily) = SkeletonFile::from_ron(LILY, "lily.ron").unwrap();
+        let sibling = vary(&lily, &Variation::default(), 1).unwrap();
+        let text = SkeletonFile::of(&sibling, "sibling", "lily").to_ron();
+        let (_, read) = SkeletonFile::from_ron(&text, "sibling.ron").unwrap();
+        assert_eq!((read.nodes(), read.segments.len()), (3, sibling.segments.len()));
+        let nodes = |skeleton: &Skeleton| skeleton.segments.iter().map(|s| s.node).collect::<Vec<_>>();
+        assert_eq!(nodes(&read), nodes(&sibling));
+        assert!((read.total_length() / lily.total_length() - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
     fn what_is_wrong_with_one_is_told() {
         for (bad, told) in [
             ("(stems: [])", "stems"),
@@ -287,6 +322,8 @@ mod tests {
             ("(stems: [(points: [(0, 0, 0), (0, inf, 0)])])", "stems[0].points"),
             ("(stems: [(on: (0, 1), points: [(0, 0, 0), (0, 1, 0)])])", "stems[0].on"),
             ("(stems: [(points: [(0, 0, 0), (0, 1, 0)], radii: (0, 0))])", "stems[0].radii"),
+            ("(stems: [(points: [(0, 0, 0), (0, 1, 0)], nodes: [0])])", "stems[0].nodes"),
+            ("(stems: [(points: [(0, 0, 0), (0, 1, 0), (0, 2, 0)], nodes: [2, 1])])", "stems[0].nodes"),
             (
                 "(stems: [(points: [(0, 0, 0), (0, 1, 0)]), (on: (0, 1), points: [(1, 1, 0), (2, 1, 0)])])",
                 "stems[1].points",

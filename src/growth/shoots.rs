@@ -124,7 +124,7 @@ pub fn extend(
         // The last sub-segment is cut to fit (`ST-10`).
         let wanted = species.internode_m.min(to_node).min(left).max(LEAST);
         let along = tip.bud.height_in_branch;
-        let goal = tropisms.set_point(target, outset, Vec3::Y, along);
+        let goal = tropisms.set_point(target, tip.rotation * Vec3::Y, outset, Vec3::Y, along);
         let acting = influence(along);
         let (steering, signals) = (&mut tip.steering, &mut tip.signals);
         let steered = tropism::step(&control, steering, signals, tip.rotation, goal, acting);

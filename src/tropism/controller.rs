@@ -250,4 +250,5 @@ pub fn wavers(species: &Species) -> bool {
     disturbed
         || Control::of(species) != Control::DIRECT
         || drawn.iter().any(|by| by.0.iter().any(|w| *w != 0.0))
+        || species.phototropism.0.contains(&0.0)
 }

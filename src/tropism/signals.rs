@@ -75,6 +75,14 @@ impl Signals {
         self.due.iter().all(|lean| *lean == Vec2::ZERO)
     }
 
+    /// Turns all it holds with the frame about the stem: `twist` leads from the old frame to the new one, about Y alone.
+    pub(super) fn twist(&mut self, twist: Quat) {
+        let back = twist.inverse();
+        let turned = |lean: Vec2| (back * Vec3::new(lean.x, 0.0, lean.y)).xz();
+        self.due = self.due.map(turned);
+        (self.sum, self.last) = (turned(self.sum), turned(self.last));
+    }
+
     /// Sends a correction that arrives after `lifetime` sub-steps, at most [`LONGEST_LAG`].
     pub fn send(&mut self, correction: Vec2, lifetime: u32) {
         self.due[lifetime.min(LONGEST_LAG) as usize] += correction;

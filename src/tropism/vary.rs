@@ -50,7 +50,8 @@ pub struct Variation {
 
 impl Default for Variation {
     fn default() -> Self {
-        // Ratio 0.8 and a lag of 8 % of the longest axis: inside the useful range of `ST-6`.
+        // Ratio 0.8 and a lag of 8 % of the longest axis where its segments are no shorter than a sub-step: inside the
+        // useful range of `ST-6`. Twigs of fewer sub-steps than the lag end before they are corrected.
         Self {
             control: Control { gain: 0.25, lag: 5, ..Control::DIRECT },
             sensing_error: 5_f32.to_radians(),
@@ -112,18 +113,26 @@ impl Variation {
     fn sub_step(&self, skeleton: &Skeleton) -> f32 {
         self.sub_step.unwrap_or_else(|| {
             let mut axis = vec![0.0_f32; skeleton.segments.len()];
+            let goes_on = goes_on(skeleton);
             for (i, stem) in skeleton.segments.iter().enumerate() {
-                axis[i] = stem.length + goes_on(skeleton, stem).map_or(0.0, |p| axis[p]);
+                axis[i] = stem.length + if goes_on[i] { axis[stem.parent as usize] } else { 0.0 };
             }
             (axis.iter().fold(0.0, |a: f32, b| a.max(*b)) / SUBSTEPS).max(1e-5)
         })
     }
 }
 
-/// The segment whose axis a segment goes on with.
-fn goes_on(skeleton: &Skeleton, stem: &StemSegment) -> Option<usize> {
-    let parent = skeleton.segments.get(stem.parent as usize)?;
-    (parent.order == stem.order).then_some(stem.parent as usize)
+/// Of each segment, whether it goes on with the axis of the one it grows from. Where a stem forks into several of its
+/// own order, each is an axis of its own, as in growth.
+fn goes_on(skeleton: &Skeleton) -> Vec<bool> {
+    let all = &skeleton.segments;
+    let same_order =
+        |stem: &StemSegment| all.get(stem.parent as usize).is_some_and(|p| p.order == stem.order);
+    let mut heirs = vec![0_u32; all.len()];
+    for stem in all.iter().filter(|stem| same_order(stem)) {
+        heirs[stem.parent as usize] += 1;
+    }
+    all.iter().map(|stem| same_order(stem) && heirs[stem.parent as usize] == 1).collect()
 }
 
 /// A growing end of a sibling.
@@ -185,8 +194,9 @@ fn prepare(base: &Skeleton, variation: &Variation) -> Result<f32, VaryError> {
 fn grow(base: &Skeleton, variation: &Variation, sub_step: f32, seed: u64) -> Skeleton {
     let mut sibling = Skeleton { segments: Vec::with_capacity(base.segments.len()), ..Skeleton::default() };
     let mut ends: Vec<End> = Vec::with_capacity(base.segments.len());
+    let goes_on = goes_on(base);
     for (i, stem) in base.segments.iter().enumerate() {
-        let mut end = begin(base, stem, variation.lean, &ends);
+        let mut end = begin(base, stem, goes_on[i], variation.lean, &ends);
         let course = stem.pose.heading();
         let carried = end.carried * course;
         let chosen = (variation.lean * course)
@@ -196,12 +206,14 @@ fn grow(base: &Skeleton, variation: &Variation, sub_step: f32, seed: u64) -> Ske
         // A stream a segment: cutting another segment finer changes nothing here.
         let mut rng = Pcg64Mcg::seed_from_u64(mix(seed ^ mix(i as u64)));
         // The last sub-segment is cut to fit; one too short to see is joined to it.
-        let pieces = (stem.length / sub_step - 1e-3).ceil().max(1.0) as u32;
-        let mut left = stem.length;
+        let pieces = (f64::from(stem.length) / f64::from(sub_step) - 1e-3).ceil().max(1.0) as u32;
+        // Cut by number: what is left over would add up its roundings.
+        let cut = |k: u32| f64::from(k) * f64::from(sub_step);
         for k in 1..=pieces {
             let last = k == pieces;
-            let length = if last { left } else { sub_step.min(left) };
-            let target = variation.tropisms.set_point(chosen, end.outset, Vec3::Y, end.along);
+            let length = if last { f64::from(stem.length) - cut(k - 1) } else { cut(k) - cut(k - 1) } as f32;
+            let heading = end.frame * Vec3::Y;
+            let target = variation.tropisms.set_point(chosen, heading, end.outset, Vec3::Y, end.along);
             let influence = Influence {
                 sensing: Spread::Gaussian.draw(variation.sensing_error, &mut rng),
                 disturbance: variation.spread.draw(variation.disturbance, &mut rng)
@@ -221,7 +233,6 @@ fn grow(base: &Skeleton, variation: &Variation, sub_step: f32, seed: u64) -> Ske
             end.piece = sibling.segments.len() as u32;
             end.tip = piece.tip();
             end.along += length;
-            left -= length;
             sibling.segments.push(piece);
         }
         ends.push(end);
@@ -239,7 +250,7 @@ fn grow(base: &Skeleton, variation: &Variation, sub_step: f32, seed: u64) -> Ske
 }
 
 /// Where a segment begins: at its parent's varied end, with the corner of the base model (`ST-11`).
-fn begin(base: &Skeleton, stem: &StemSegment, lean: Quat, ends: &[End]) -> End {
+fn begin(base: &Skeleton, stem: &StemSegment, goes_on: bool, lean: Quat, ends: &[End]) -> End {
     let Some(below) = base.segments.get(stem.parent as usize) else {
         return End {
             piece: NO_PARENT,
@@ -256,8 +267,12 @@ fn begin(base: &Skeleton, stem: &StemSegment, lean: Quat, ends: &[End]) -> End {
     let turn = (end.frame * below.pose.rotation.inverse()).normalize();
     let frame = (turn * stem.pose.rotation).normalize();
     let tip = end.tip + turn * (stem.pose.position - below.tip());
-    if below.order == stem.order {
-        return End { tip, frame, ..*end };
+    if goes_on {
+        // Corrections stay on their flank of the stem, however the base model's frames roll about it.
+        let mut signals = end.signals;
+        let unrolled = turned_to(end.frame, frame * Vec3::Y);
+        signals.twist((unrolled.inverse() * frame).normalize());
+        return End { tip, frame, signals, ..*end };
     }
     End {
         tip,

@@ -243,7 +243,7 @@ fn st_09_smaller_lag_corrects_sooner_and_swings_faster() {
 }
 
 #[test]
-fn st_10_under_equal_and_over_compensation() {
+fn st_09_figure_10_under_equal_and_over_compensation() {
     for lag in [4_u32, 12] {
         let limit = 1.0 / (critical_gain(lag) * lag as f32);
         let swing = 4 * lag as usize + 2;

@@ -53,6 +53,68 @@ fn over_the_useful_range_siblings_keep_their_height() {
 }
 
 #[test]
+fn however_finely_it_is_cut_the_length_stays() {
+    let mut line = Skeleton::default();
+    line.add_stem(None, &[Vec3::ZERO, Vec3::Y * 10.0], [0.1, 0.1]);
+    for sub_step in [1e-1, 1e-3, 1e-4, 1.1e-5] {
+        let still = Variation { sensing_error: 0.0, disturbance: 0.0, ..Variation::default() };
+        let fine = vary(&line, &Variation { sub_step: Some(sub_step), ..still }, 1).unwrap();
+        assert!((fine.total_length() - 10.0).abs() < 1e-4, "{sub_step}: {} m", fine.total_length());
+        assert!(fine.check().is_ok() && fine.nodes() == 1);
+    }
+}
+
+/// Root mean square and widest angle between the pieces of siblings and of the course they keep, degrees.
+fn straying(base: &Skeleton) -> [f32; 2] {
+    let still =
+        Variation { sensing_error: 0.0, disturbance: 0.0, control: Control::DIRECT, ..Variation::default() };
+    let course = vary(base, &still, 1).unwrap();
+    let all = siblings(base, &Variation::default(), 1, 40, &Workers::new(2).unwrap()).unwrap();
+    let headings =
+        |skeleton: &Skeleton| skeleton.segments.iter().map(|s| s.pose.heading()).collect::<Vec<_>>();
+    let (kept, mut squares, mut widest, mut pieces) = (headings(&course), 0.0, 0.0_f32, 0.0);
+    for one in &all {
+        for (a, b) in headings(one).iter().zip(&kept) {
+            let angle = a.angle_between(*b).to_degrees();
+            (squares, widest, pieces) = (squares + angle * angle, widest.max(angle), pieces + 1.0);
+        }
+    }
+    [(squares / pieces).sqrt(), widest]
+}
+
+#[test]
+fn siblings_of_grown_plants_that_fork_and_turn_about_their_stems_keep_their_course() {
+    for (name, steps) in [("horneophyton", 12), ("oak", 9)] {
+        let resolved = burgeon::assets::Library::embedded().alone(name).unwrap();
+        let base = Skeleton::of(&grown(resolved, 1, steps).snapshot(), 0).unwrap();
+        let [rms, widest] = straying(&base);
+        println!("{name}: {} segments, {rms:.1} degrees off, at most {widest:.0}", base.segments.len());
+        assert!(rms < 14.0 && widest < 75.0, "{name}: {rms} {widest}");
+    }
+}
+
+#[test]
+fn how_the_frames_of_a_base_model_roll_about_its_stem_changes_nothing() {
+    let mut plain = Skeleton::default();
+    plain.add_stem(None, &(0..=60).map(|k| Vec3::Y * (0.1 * k as f32)).collect::<Vec<_>>(), [0.1, 0.1]);
+    let mut rolled = plain.clone();
+    for (k, stem) in rolled.segments.iter_mut().enumerate().skip(1) {
+        stem.pose.rotation *= Quat::from_rotation_y(2.5 * k as f32);
+    }
+    // A push that knows no frame: at the base alone, so that both are astray alike.
+    let pushed = |skeleton: &Skeleton| {
+        let lean = Quat::from_rotation_z(-0.5);
+        let still = Variation { sensing_error: 0.0, disturbance: 0.0, lean, ..Variation::default() };
+        vary(skeleton, &still, 1).unwrap()
+    };
+    let (plain, rolled) = (pushed(&plain), pushed(&rolled));
+    let off = plain.segments.iter().zip(&rolled.segments).map(|(a, b)| a.tip().distance(b.tip()));
+    let off = off.fold(0.0, f32::max);
+    assert!(off < 1e-4, "{off} m apart");
+    assert!(plain.segments[59].tip().x > 1.0, "they do lean over");
+}
+
+#[test]
 fn a_lean_bends_the_plant_over_to_its_side() {
     let trunk = {
         let mut one = Skeleton::default();
