@@ -185,6 +185,19 @@ mod tests {
     }
 
     #[test]
+    fn each_order_has_its_own_apical_control() {
+        // The side twig forks once more.
+        let mut sinks = fork(SinkKind::Bud);
+        sinks.extend([sink(2, 2, SinkKind::Stem, 0.0), sink(5, 2, SinkKind::Bud, 0.5)]);
+        sinks[3].demand = 0.0;
+        let by_order = |order: u32| [0.6, -0.6, 0.0][order as usize];
+        let vigour = flow(&sinks, 10.0, by_order);
+        let trunk = 1.6 * 0.5 / (1.6 * 0.5 + 0.4 * 1.0);
+        assert!((vigour[1] - 10.0 * trunk).abs() < 1e-4, "the trunk's holds its laterals back: {vigour:?}");
+        assert!((vigour[4] - vigour[2] * 0.4 / 2.0).abs() < 1e-4, "the twig's favours its own: {vigour:?}");
+    }
+
+    #[test]
     fn a_twig_whose_buds_rest_leaves_its_part_to_others() {
         let vigour = flow(&fork(SinkKind::Spent), 10.0, |_| 0.2);
         assert_eq!(vigour[1], 10.0);

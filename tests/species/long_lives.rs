@@ -11,19 +11,22 @@ const YEARS: u32 = 200;
 /// Leaves beyond which a plant is cut to three quarters of its height and width, so that two centuries take seconds.
 const ROOM: u32 = 250;
 
-/// The light of an open sky, and of one half closed by neighbours.
+/// The light of an open sky, and of one that neighbours close in part.
 const SKIES: [f32; 2] = [1.0, 0.6];
 
-/// Income on poor ground, under either sky, as a share of a species' own: for those that bear no cutting, and for the
-/// willow, whose curtain hangs within any block.
-fn poor_ground(name: &str) -> Option<[f32; 2]> {
+/// The second sky on poor ground, where no plant lives by much less than it has in the open.
+const POOR_SHADE: f32 = 0.8;
+
+/// Income on poor ground as a share of a species' own: for those that bear no cutting, and for the willow, whose
+/// curtain hangs within any block.
+fn poor_ground(name: &str) -> Option<f32> {
     match name {
-        "norway_spruce" => Some([0.2, 0.4]),
-        "scots_pine" => Some([0.35, 0.5]),
-        "silver_birch" => Some([0.4, 0.7]),
-        "japanese_maple" => Some([0.2, 0.35]),
-        "candelabra" => Some([0.55, 1.0]),
-        "weeping_willow" => Some([0.27, 0.45]),
+        "norway_spruce" => Some(0.16),
+        "scots_pine" => Some(0.4),
+        "silver_birch" => Some(0.5),
+        "japanese_maple" => Some(0.25),
+        "candelabra" => Some(0.7),
+        "weeping_willow" => Some(0.33),
         _ => None,
     }
 }
@@ -33,9 +36,10 @@ fn kept_small(name: &str, sky: usize) -> Vec<u32> {
     let mut resolved = alone(name);
     resolved.scenario.sensing.leaf_face = 2;
     resolved.scenario.sensing.bud_face = 2;
-    resolved.scenario.sky.strength = SKIES[sky];
     let poor = poor_ground(name);
-    resolved.species.get_mut(name).unwrap().leaf_income *= poor.map_or(1.0, |share| share[sky]);
+    let shade = if poor.is_some() { POOR_SHADE } else { SKIES[1] };
+    resolved.scenario.sky.strength = [SKIES[0], shade][sky];
+    resolved.species.get_mut(name).unwrap().leaf_income *= poor.unwrap_or(1.0);
     let steps = YEARS * resolved.species[name].steps_per_year;
     let mut garden = garden(resolved, 1);
     (0..steps)
