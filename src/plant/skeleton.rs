@@ -20,7 +20,7 @@ pub struct StemSegment {
     pub length: f32,
     /// Radius, metres.
     pub radius: f32,
-    /// Order of its axis. A segment of its parent's order goes on as the same axis.
+    /// Order of its axis. A segment of its parent's order goes on as the same axis, unless the stem forks into several of it.
     pub order: u32,
     /// Whether a segment of the base model ends here; pieces it is cut into before that have none.
     pub node: bool,

@@ -14,6 +14,9 @@ const ROOM: u32 = 250;
 /// The light of an open sky, and of one that neighbours close in part.
 const SKIES: [f32; 2] = [1.0, 0.6];
 
+/// What they are called.
+const UNDER: [&str; 2] = ["in the open", "in shade"];
+
 /// The second sky on poor ground, where no plant lives by much less than it has in the open.
 const POOR_SHADE: f32 = 0.8;
 
@@ -46,7 +49,7 @@ fn kept_small(name: &str, sky: usize) -> Vec<u32> {
         .map(|step| {
             let form = garden.step().unwrap().form;
             let holds = check(&garden.snapshot()).and_then(|()| check_world(garden.world_mut()));
-            holds.unwrap_or_else(|why| panic!("{name}, sky {}, step {step}: {why}", SKIES[sky]));
+            holds.unwrap_or_else(|why| panic!("{name}, {}, step {step}: {why}", UNDER[sky]));
             if poor.is_none() && form.leaves > ROOM {
                 let half = 0.375 * form.crown_width_m;
                 let (from, to) = (Vec3::new(-half, -1.0, -half), Vec3::new(half, 0.75 * form.height_m, half));
@@ -67,10 +70,10 @@ fn every_species_lives_two_hundred_years_in_the_open_and_in_shade() {
     let mut dead = Vec::new();
     for ((name, sky), life) in lives.iter().zip(&leaves) {
         let at = [20, 50, 100, 150, YEARS].map(|year| life[life.len() * year as usize / YEARS as usize - 1]);
-        println!("{name}, sky {}: {at:?} leaves at 20, 50, 100, 150 and 200 years", SKIES[*sky]);
+        println!("{name}, {}: {at:?} leaves at 20, 50, 100, 150 and 200 years", UNDER[*sky]);
         // A stump may be without leaves until it has sprouted.
         if life.windows(10).any(|years| years.iter().all(|leaves| *leaves == 0)) {
-            dead.push((name, SKIES[*sky], at));
+            dead.push((name, UNDER[*sky], at));
         }
     }
     assert!(dead.is_empty(), "{dead:?}");

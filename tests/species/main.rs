@@ -5,6 +5,7 @@ mod common;
 mod forms;
 mod long_lives;
 mod neighbours;
+mod plantings;
 
 use bevy::math::ops;
 use bevy::prelude::*;
