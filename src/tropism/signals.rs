@@ -77,8 +77,9 @@ impl Signals {
 
     /// Turns all it holds with the frame about the stem: `twist` leads from the old frame to the new one, about Y alone.
     pub(super) fn twist(&mut self, twist: Quat) {
-        let back = twist.inverse();
-        let turned = |lean: Vec2| (back * Vec3::new(lean.x, 0.0, lean.y)).xz();
+        // Cosine and sine of its angle.
+        let (cos, sin) = (twist.w * twist.w - twist.y * twist.y, 2.0 * twist.w * twist.y);
+        let turned = |lean: Vec2| Vec2::new(lean.x * cos - lean.y * sin, lean.x * sin + lean.y * cos);
         self.due = self.due.map(turned);
         (self.sum, self.last) = (turned(self.sum), turned(self.last));
     }
@@ -115,6 +116,17 @@ mod tests {
         }
         assert_eq!(signals.receive(), Vec2::X);
         assert!(signals.is_default() && signals.is_silent());
+    }
+
+    #[test]
+    fn a_twist_of_the_frame_leaves_them_where_they_are_in_the_world() {
+        let mut signals = Signals::default();
+        signals.send(Vec2::new(0.3, -0.1), 0);
+        let twist = Quat::from_rotation_y(0.8);
+        signals.twist(twist);
+        let lean = signals.receive();
+        let here = twist * Vec3::new(lean.x, 0.0, lean.y);
+        assert!(here.distance(Vec3::new(0.3, 0.0, -0.1)) < 1e-6, "{here}");
     }
 
     #[test]
