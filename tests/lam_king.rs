@@ -6,10 +6,9 @@ use bevy::prelude::*;
 use burgeon::assets::Library;
 use burgeon::environment::SolidShape;
 use burgeon::growth::liabilities::{Account, branches, to_shed};
-use burgeon::growth::nodes::layout;
 use burgeon::growth::share::{Claim, by_exposure};
 use burgeon::growth::shoots::extend_shoots;
-use burgeon::growth::{energy, nodes};
+use burgeon::growth::{energy, nodes, nodes::layout};
 use burgeon::plant::{
     Allotment, ApicalBud, BranchOrder, Cause, EnergyStore, Exposure, Fallen, GrowsFrom, Identity, Internode,
     LateralBud, LateralBudState, Leaf, LeafState, NO_PARENT, Node, OrganKind, OrganState, Plant, Pose,

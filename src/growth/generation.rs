@@ -119,11 +119,11 @@ pub fn derive_poses(
     transforms: Query<(Option<&Transform>, Option<&ChildOf>)>,
     mut organs: Query<(&Attachment, Option<&Internode>, &mut Pose)>,
 ) {
-    let roots: Vec<Pose> = roster
-        .plants
-        .iter()
-        .map(|plant| plant.map(|it| pose::standing(it, &transforms)).unwrap_or_default())
-        .collect();
+    let stands = |plant: Entity| {
+        let at = pose::standing(plant, |it| transforms.get(it).ok());
+        Pose { position: at.translation, rotation: at.rotation }
+    };
+    let roots: Vec<Pose> = roster.plants.iter().map(|plant| plant.map(stands).unwrap_or_default()).collect();
     let mut stems: Vec<pose::Stem> = Vec::with_capacity(roster.len());
     for i in 0..roster.len() {
         let sits_on_bark = matches!(roster.kind[i], OrganKind::Leaf | OrganKind::LateralBud);

@@ -287,7 +287,7 @@ pub fn extend_shoots(
         } else {
             let stem = |organ: u32| stems.get(roster.entity[organ as usize]).ok();
             match bearing_stem(parent, bud.height_in_branch > 0.0, &roster.parent, |i| stem(i).map(|s| s.1)) {
-                NO_PARENT => pose::standing(identity.plant, &transforms).rotation,
+                NO_PARENT => pose::standing(identity.plant, |it| transforms.get(it).ok()).rotation,
                 bearing => stem(bearing).map_or(Quat::IDENTITY, |(pose, _)| pose.rotation),
             }
         };

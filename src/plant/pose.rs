@@ -30,13 +30,17 @@ impl Stem {
     }
 }
 
-/// Pose of a plant in the world, by its transform and those of the entities it is a child of.
-pub fn standing(plant: Entity, transforms: &Query<(Option<&Transform>, Option<&ChildOf>)>) -> Pose {
+/// Where a plant stands in the world, by its transform and those of the entities it is a child of; `of` gives both of
+/// an entity.
+pub fn standing<'a>(
+    plant: Entity,
+    of: impl Fn(Entity) -> Option<(Option<&'a Transform>, Option<&'a ChildOf>)>,
+) -> Transform {
     let mut transform = Transform::IDENTITY;
     let mut at = Some(plant);
-    while let Some(Ok((local, parent))) = at.map(|entity| transforms.get(entity)) {
+    while let Some((local, parent)) = at.and_then(&of) {
         transform = local.copied().unwrap_or_default().mul_transform(transform);
         at = parent.map(ChildOf::parent);
     }
-    Pose { position: transform.translation, rotation: transform.rotation }
+    transform
 }

@@ -365,15 +365,8 @@ fn plant_record(world: &World, plant: Entity) -> Option<PlantRecord> {
 
 /// Where an entity stands in the world, through all its parents.
 pub(crate) fn plant_transform(world: &World, entity: Entity) -> Transform {
-    let mut transform = world.get::<Transform>(entity).copied().unwrap_or_default();
-    let mut at = entity;
-    while let Some(parent) = world.get::<ChildOf>(at) {
-        at = parent.parent();
-        if let Some(above) = world.get::<Transform>(at) {
-            transform = above.mul_transform(transform);
-        }
-    }
-    transform
+    let of = |it: Entity| Some((world.get::<Transform>(it), world.get::<ChildOf>(it)));
+    super::pose::standing(entity, of)
 }
 
 /// Puts the organs of a snapshot back into a world that holds none. One from outside must pass

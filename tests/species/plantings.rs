@@ -41,7 +41,7 @@ fn a_hedge_cut_every_winter_keeps_its_block_and_is_in_leaf_to_the_foot() {
     let all: Vec<Vec3> = plants.into_iter().flatten().collect();
     let low = all.iter().filter(|at| at.y < to.y / 3.0).count() as f32 / all.len() as f32;
     println!("{} leaves, {low:.2} of them in the lowest third", all.len());
-    assert!(low > 0.1, "{low}");
+    assert!(low > 0.15, "{low}");
 }
 
 #[test]
@@ -62,7 +62,7 @@ fn oaks_of_an_avenue_lean_from_the_house_and_stay_behind_those_across_the_road()
         let leans: Vec<f32> = beside.iter().map(|&k| lean(k)).collect();
         println!("seed {seed}: lean {leans:.2?} m, leaves {} beside, {} across", of(&beside), of(&across));
         assert_eq!((beside.len(), across.len()), (3, 3));
-        assert!(leans.iter().sum::<f32>() > 0.3, "{leans:?}");
+        assert!(leans.iter().sum::<f32>() > 0.5, "{leans:?}");
         assert!(of(&beside) < of(&across));
     }
 }

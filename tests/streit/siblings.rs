@@ -89,7 +89,7 @@ fn siblings_of_grown_plants_that_fork_and_turn_about_their_stems_keep_their_cour
         let base = Skeleton::of(&grown(resolved, 1, steps).snapshot(), 0).unwrap();
         let [rms, widest] = straying(&base);
         println!("{name}: {} segments, {rms:.1} degrees off, at most {widest:.0}", base.segments.len());
-        assert!(rms < 14.0 && widest < 75.0, "{name}: {rms} {widest}");
+        assert!(rms < 12.0 && widest < 60.0, "{name}: {rms} {widest}");
     }
 }
 
