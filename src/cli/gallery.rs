@@ -155,12 +155,12 @@ impl Gallery {
     }
 }
 
-/// The species that share their energy by vigour and live by the year: of the others no crown comes.
+/// The species that share their energy by vigour and live by years and seasons: of the others no crown comes.
 fn all(library: &Library) -> Result<Vec<String>, Failure> {
     let mut names = Vec::new();
     for name in library.species_names() {
         let species = library.species(&name)?;
-        if species.allocation == Allocation::ByVigour && species.steps_per_year == 1 {
+        if species.allocation == Allocation::ByVigour && species.steps_per_year <= 4 {
             names.push(name);
         }
     }

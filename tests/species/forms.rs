@@ -8,19 +8,23 @@ use super::*;
 type Measure = (&'static str, fn(&Form) -> f64);
 
 /// What is measured, in the order of the ranges below.
-const MEASURES: [Measure; 6] = [
+const MEASURES: [Measure; 8] = [
     ("height, m", |form| form.height_m.into()),
     ("crown width, m", |form| form.crown_width_m.into()),
     ("live crown base over height", |form| (form.live_crown_base_m / form.height_m).into()),
     ("widest height over height", |form| (form.widest_height_m / form.height_m).into()),
     ("share of side axes that droops", |form| form.drooping_share.into()),
     ("diameter at breast height, m", |form| form.breast_diameter_m.into()),
+    ("leaf area, m2", |form| form.leaf_area_m2),
+    ("share of internodes of order 2 and above", |form| {
+        1.0 - f64::from(form.by_order[0] + form.by_order[1]) / f64::from(form.internodes)
+    }),
 ];
 
 /// A species at an age: the ranges of [`MEASURES`], and height and crown width of real ones, metres.
 struct Known {
     name: &'static str,
-    ranges: [(f64, f64); 6],
+    ranges: [(f64, f64); 8],
     real: (f64, f64),
 }
 

@@ -25,12 +25,12 @@ fn alone(name: &str) -> ResolvedScenario {
     Library::embedded().alone(name).unwrap()
 }
 
-/// Names of the species that share energy by vigour and live by the year: the trees and shrubs.
+/// Names of the species that share energy by vigour and live by years and seasons: the trees and shrubs.
 fn trees() -> Vec<String> {
     let library = Library::embedded();
     let grows = |name: &String| {
         let species = library.species(name).unwrap();
-        species.allocation == Allocation::ByVigour && species.steps_per_year == 1
+        species.allocation == Allocation::ByVigour && species.steps_per_year <= 4
     };
     library.species_names().into_iter().filter(grows).collect()
 }
