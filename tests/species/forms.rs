@@ -104,7 +104,9 @@ fn ranges_hold_what_real_trees_measure() {
 fn untangled(years: u32, most: f64) {
     let mut tangled = Vec::new();
     for name in trees() {
-        let shot = last(alone(&name), 1, years);
+        let resolved = alone(&name);
+        let steps = years * resolved.species[&name].steps_per_year;
+        let shot = last(resolved, 1, steps);
         let stems = Form::of(&shot, None).internodes;
         let each_thousand = 1000.0 * tangles(&shot) as f64 / f64::from(stems.max(1));
         println!("{name}: {each_thousand:.1} tangles a thousand internodes");
