@@ -24,8 +24,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     app.insert_resource(Sky { strength: 0.15, gradient: SkyGradient::Overcast });
     let world = app.world_mut();
     world.spawn((Plant::new(Species::named("oak")?, 5), Transform::default()));
-    // The lamp that is drawn is the lamp that is sensed: 400 times as bright as a full sky, 0.3 m in radius.
-    let lamp = world.spawn((Lamp::new(400.0, 0.3), Transform::from_xyz(4.0, 4.0, 0.0))).id();
+    // The lamp that is drawn is the lamp that is sensed: 260 times as bright as a full sky, 0.3 m in radius.
+    let lamp = world.spawn((Lamp::new(260.0, 0.3), Transform::from_xyz(4.0, 4.0, 0.0))).id();
 
     let mut pictures = Vec::new();
     for (x, side) in [(4.0, "east"), (-4.0, "west")] {

@@ -85,7 +85,7 @@ parameters! {
         leaf_angle_deg: f32 = 60.0, "deg", Range::real(0.0, 180.0);
         /// Angle by which a leaf sinks away from its stem each step, up to 150 degrees.
         leaf_droop_deg: f32 = 0.0, "deg/step", Range::real(0.0, 180.0);
-        /// Life of a leaf; 0: until it is shed.
+        /// Life of a leaf, after which it falls and hands what it earned in its last step to its stem; 0: until it is shed.
         leaf_life_steps: u32 = 0, "steps", Range::whole(0, 10_000);
         /// Largest part of a leaf's final size grown in one step.
         leaf_growth: f32 = 1.0, "1/step", Range::real(0.01, 1.0);
@@ -153,6 +153,8 @@ parameters! {
         store_release: f32 = 0.5, "1/step", Range::real(0.0, 1.0);
         /// Energy a full-grown leaf earns in a step in full light.
         leaf_income: f32 = 2.0, "energy/step", Range::real(0.0, 1000.0);
+        /// Whether a leaf earns in the step it unfolds in too, by the light its bud saw; else from the next, by its own.
+        leaf_earns_at_once: bool = false, "", Range::any();
         /// Curvature of income against light: 0 proportional, larger saturates earlier, `(1+k)L/(L+k)` with k = 1/this.
         light_saturation: f32 = 0.0, "", Range::real(0.0, 100.0);
         /// Share of the day the stomata are open.

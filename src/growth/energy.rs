@@ -6,7 +6,7 @@ use super::Mechanisms;
 use super::generation::Condemned;
 use crate::plant::{
     ApicalBud, Cause, EnergyFlow, EnergyLedger, EnergyStore, Exposure, GrowthSpan, Identity, Internode, Leaf,
-    OrganKind, Plant, Roster,
+    NO_PARENT, OrganKind, Plant, Roster,
 };
 use crate::species::Species;
 
@@ -32,30 +32,47 @@ pub fn wood_upkeep(species: &Species, internode: &Internode) -> f32 {
     species.wood_upkeep * core::f32::consts::PI * internode.radius * internode.radius * internode.length
 }
 
-/// Leaves photosynthesise; those at the end of their life fall afterwards.
+/// Leaves photosynthesise. Those at the end of their life fall afterwards and hand what they earned to their stem, in
+/// whose name it counts when the surplus is shared.
+///
+/// A leaf that has not looked around yet has the light of its bud. One that lives a single summer must earn by it:
+/// earned a step later alone, what one year's leaves gather would feed those of the year after next, and shoots of odd
+/// and of even years would live apart.
 pub fn photosynthesise(
     step: Res<StepCount>,
     mechanisms: Res<Mechanisms>,
     roster: Res<Roster>,
     mut condemned: ResMut<Condemned>,
     plants: Query<&Plant>,
-    mut leaves: Query<(&Identity, &GrowthSpan, &Leaf, &Exposure, &mut EnergyFlow)>,
+    leaves: Query<(&Identity, &GrowthSpan, &Leaf, &Exposure)>,
+    mut flows: Query<&mut EnergyFlow>,
 ) {
     for i in 0..roster.len() {
-        if roster.kind[i] != OrganKind::Leaf {
-            continue;
-        }
-        let Ok((identity, span, leaf, exposure, mut flow)) = leaves.get_mut(roster.entity[i]) else {
+        let Some(plant) = roster.plants[roster.plant[i] as usize].and_then(|plant| plants.get(plant).ok())
+        else {
             continue;
         };
-        let Ok(plant) = plants.get(identity.plant) else { continue };
-        let species = &plant.species;
+        let (species, entity) = (&*plant.species, roster.entity[i]);
+        let Ok(mut flow) = flows.get_mut(entity) else { continue };
+        if roster.kind[i] == OrganKind::Internode {
+            flow.income = 0.0;
+        }
+        let Ok((identity, span, leaf, exposure)) = leaves.get(entity) else { continue };
         let light = if mechanisms.light { exposure.light } else { 1.0 };
-        flow.income =
-            if mechanisms.energy && exposure.sensed { leaf_income(species, leaf.size, light) } else { 0.0 };
+        let earns = mechanisms.energy && (exposure.sensed || species.leaf_earns_at_once);
+        let income = if earns { leaf_income(species, leaf.size, light) } else { 0.0 };
         flow.upkeep = if mechanisms.energy { species.leaf_upkeep * leaf.size } else { 0.0 };
-        if species.leaf_life_steps > 0 && step.0 - span.born() >= species.leaf_life_steps {
-            condemned.0.push((identity.birth, Cause::Senescence));
+        flow.income = income;
+        if species.leaf_life_steps == 0 || step.0 - span.born() < species.leaf_life_steps {
+            continue;
+        }
+        condemned.0.push((identity.birth, Cause::Senescence));
+        let stem = roster.parent[i];
+        if stem != NO_PARENT
+            && let Ok([mut leaf, mut stem]) = flows.get_many_mut([entity, roster.entity[stem as usize]])
+        {
+            leaf.income = 0.0;
+            stem.income += income;
         }
     }
 }

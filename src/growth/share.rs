@@ -45,8 +45,8 @@ const LEAST_SHOOT: f32 = 0.1;
 /// What an organ is to the sharing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Standing {
-    /// A stem passes energy on.
-    Stem,
+    /// A stem passes energy on; it gives out what its last leaves earned.
+    Stem { income: f32 },
     /// A leaf, with what it earned and what it lacks to full size.
     Leaf { income: f32, lacks: f32 },
     /// A growing tip.
@@ -87,7 +87,7 @@ pub struct Claims {
 /// What sharing reads and writes of organs.
 #[derive(SystemParam)]
 pub struct Asked<'w, 's> {
-    stems: Query<'w, 's, (&'static BranchOrder, &'static Pose), With<Internode>>,
+    stems: Query<'w, 's, (&'static BranchOrder, &'static EnergyFlow, &'static Pose), With<Internode>>,
     organs: Query<
         'w,
         's,
@@ -117,9 +117,9 @@ impl Claims {
             let organ = i as u32;
             let gone = Member { organ, order: 0, light: 0.0, height: 0.0, standing: Standing::Spent };
             let member = if roster.kind[i] == OrganKind::Internode {
-                asked.stems.get(entity).map_or(gone, |(order, pose)| {
+                asked.stems.get(entity).map_or(gone, |(order, flow, pose)| {
                     foot[plant].get_or_insert(pose.position.y);
-                    Member { order: order.0, standing: Standing::Stem, ..gone }
+                    Member { order: order.0, standing: Standing::Stem { income: flow.income }, ..gone }
                 })
             } else if let Ok((order, flow, exposure, mut allotment, leaf, lateral, pose)) =
                 asked.organs.get_mut(entity)
@@ -271,11 +271,10 @@ fn vigours(
         .iter()
         .zip(parents)
         .map(|(member, parent)| {
+            let as_light = |income: f32| income / species.leaf_income.max(f32::MIN_POSITIVE);
             let (kind, demand) = match member.standing {
-                Standing::Stem => (SinkKind::Stem, 0.0),
-                Standing::Leaf { income, .. } => {
-                    (SinkKind::Spent, income / species.leaf_income.max(f32::MIN_POSITIVE))
-                }
+                Standing::Stem { income } => (SinkKind::Stem, as_light(income)),
+                Standing::Leaf { income, .. } => (SinkKind::Spent, as_light(income)),
                 Standing::Apical => (SinkKind::Bud, member.light * rises(member)),
                 Standing::Dormant { rank, favour } => {
                     let place = favour * vigour::acrotony(species, rank);

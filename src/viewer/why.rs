@@ -131,7 +131,7 @@ fn figures(ui: &mut egui::Ui, organ: &Explanation) {
                 ("Length", format!("{:.3} m", wood.length)),
                 ("Radius", format!("{:.1} mm", wood.radius * 1000.0)),
                 ("Bears", super::panels::bars::organs(organ.bears.organs.saturating_sub(1) as usize)),
-                ("Income of leaves it bears", format!("{:.3}", organ.bears.income)),
+                ("Income of all it bears", format!("{:.3}", organ.bears.income)),
                 ("Upkeep of all it bears", format!("{:.3}", organ.bears.upkeep)),
             ],
         ),

@@ -27,9 +27,9 @@ fn poor_ground(name: &str) -> Option<f32> {
         "norway_spruce" => Some(0.16),
         "scots_pine" => Some(0.4),
         "silver_birch" => Some(0.5),
-        "japanese_maple" => Some(0.25),
+        "japanese_maple" => Some(0.35),
         "candelabra" => Some(0.7),
-        "weeping_willow" => Some(0.33),
+        "weeping_willow" => Some(0.65),
         _ => None,
     }
 }

@@ -12,9 +12,9 @@ use bevy::prelude::*;
 use burgeon::assets::Library;
 use burgeon::environment::SolidShape;
 use burgeon::files::ResolvedScenario;
-use burgeon::plant::Snapshot;
 use burgeon::plant::measure::Form;
 use burgeon::plant::skeleton::Skeleton;
+use burgeon::plant::{OrganKind, Snapshot};
 use burgeon::scenario::{Edit, PlacedSolid, Scenario, TimedEdit, apply};
 use burgeon::species::Allocation;
 use common::check::grow_past_solids;
@@ -42,6 +42,17 @@ fn every_species_says_what_it_is_and_where_its_figures_come_from() {
     for name in library.species_names() {
         let species = library.species(&name).unwrap();
         assert!(species.description.len() > 20 && species.source.len() > 20, "{name}");
+    }
+}
+
+#[test]
+fn what_is_bare_in_winter_bears_the_leaves_of_one_summer() {
+    let library = Library::embedded();
+    for name in trees().into_iter().filter(|name| !library.species(name).unwrap().evergreen) {
+        let tree = last(alone(&name), 1, 9);
+        let leaves = || (0..tree.len()).filter(|&i| tree.state[i].kind() == OrganKind::Leaf);
+        assert!(leaves().count() > 20, "{name}");
+        assert!(leaves().all(|leaf| tree.span[leaf].born() == 8), "{name}: the last of nine steps is step 8");
     }
 }
 
@@ -119,7 +130,7 @@ fn a_poor_old_oak_thins_its_crown_and_never_drops_it() {
         let mut resolved = alone("oak");
         resolved.scenario.sensing.leaf_face = 2;
         resolved.scenario.sensing.bud_face = 4;
-        resolved.species.get_mut("oak").unwrap().leaf_income = 2.5;
+        resolved.species.get_mut("oak").unwrap().leaf_income = 2.2;
         leaves_by_step(resolved, seed, 42)
     });
     // What is left of a crown from one year to the next, the worst first.

@@ -62,7 +62,7 @@ fn beside_a_wall_a_crown_leans_into_the_open() {
 
 #[test]
 fn after_losing_half_its_crown_a_tree_refills_the_gap() {
-    const YEARS: u32 = 5;
+    const YEARS: u32 = 7;
     for (name, steps) in THREE {
         let regrown = over_seeds(1..4, |seed| {
             let mut garden = garden(alone(name), seed);

@@ -257,6 +257,17 @@ fn photosynthesise_earns_by_size_light_and_open_stomata() {
 }
 
 #[test]
+fn photosynthesise_has_leaves_of_one_summer_earn_at_once_by_the_light_of_their_bud() {
+    let species = Species { leaf_earns_at_once: true, leaf_income: 2.0, stomata_open: 1.0, ..lam_king() };
+    let mut nursery = Nursery::new(species);
+    let trunk = nursery.stem(None, 0.2);
+    let leaf = nursery.leaf(trunk, 1.0, 1.0);
+    nursery.set(leaf, Exposure { light: 0.6, space: 1.0, sensed: false });
+    nursery.run(energy::photosynthesise);
+    close(nursery.get::<EnergyFlow>(leaf).income.into(), 1.2);
+}
+
+#[test]
 fn photosynthesise_lets_old_leaves_fall() {
     let mut nursery = Nursery::new(Species { leaf_life_steps: 3, ..lam_king() });
     let trunk = nursery.stem(None, 0.2);
@@ -267,6 +278,23 @@ fn photosynthesise_lets_old_leaves_fall() {
     nursery.app.insert_resource(StepCount(3));
     nursery.run(energy::photosynthesise);
     assert_eq!(nursery.condemned(), [(nursery.birth(leaf), Cause::Senescence)]);
+}
+
+#[test]
+fn photosynthesise_hands_what_a_falling_leaf_earned_to_its_stem() {
+    let species = Species { leaf_life_steps: 1, leaf_income: 2.0, stomata_open: 1.0, ..lam_king() };
+    let mut nursery = Nursery::new(species);
+    let trunk = nursery.stem(None, 0.2);
+    let leaves = [0.8, 0.5].map(|light| nursery.leaf(trunk, 1.0, light));
+    nursery.app.insert_resource(StepCount(1));
+    nursery.run(energy::photosynthesise);
+    assert!(leaves.iter().all(|&leaf| nursery.get::<EnergyFlow>(leaf).income == 0.0));
+    close(nursery.get::<EnergyFlow>(trunk).income.into(), 1.6 + 1.0);
+    for leaf in leaves {
+        nursery.app.world_mut().despawn(leaf);
+    }
+    nursery.run(energy::photosynthesise);
+    assert_eq!(nursery.get::<EnergyFlow>(trunk).income, 0.0, "and only once");
 }
 
 #[test]
