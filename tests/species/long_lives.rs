@@ -26,10 +26,10 @@ fn poor_ground(name: &str) -> Option<f32> {
     match name {
         "norway_spruce" => Some(0.16),
         "scots_pine" => Some(0.4),
-        "silver_birch" => Some(0.5),
+        "silver_birch" => Some(0.6),
         "japanese_maple" => Some(0.35),
         "candelabra" => Some(0.7),
-        "weeping_willow" => Some(0.65),
+        "weeping_willow" => Some(0.6),
         _ => None,
     }
 }
