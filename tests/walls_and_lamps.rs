@@ -22,7 +22,7 @@ fn small_oaks(name: &str) -> ResolvedScenario {
     let mut resolved = quick(name);
     resolved.scenario.sensing.leaf_face = 2;
     resolved.scenario.sensing.bud_face = 4;
-    resolved.species.get_mut("oak").unwrap().leaf_income = 4.0;
+    resolved.species.get_mut("oak").unwrap().leaf_income = 4.8;
     resolved
 }
 
