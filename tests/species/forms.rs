@@ -133,12 +133,21 @@ fn what_wood_costs_holds_a_tree_back() {
     for name in ["oak", "lombardy_poplar", "silver_birch"] {
         let mut free = alone(name);
         free.species.values_mut().for_each(|species| (species.wood_cost, species.wood_share) = (0.0, 0.0));
-        let foliage = |resolved: &ResolvedScenario, years| {
-            over_seeds(1..4, |seed| Form::of(&last(resolved.clone(), seed, years), None).leaf_area_m2)
+        let grown = |resolved: &ResolvedScenario| {
+            over_seeds(1..4, |seed| {
+                let form = Form::of(&last(resolved.clone(), seed, 17), None);
+                (f64::from(form.height_m), form.leaf_area_m2)
+            })
         };
-        let (held, free) = (foliage(&alone(name), 17), foliage(&free, 17));
-        println!("{name} at 17 years, m2 of leaves: {held:.1?}; without what wood costs {free:.1?}");
-        assert!(held.iter().zip(&free).all(|(held, free)| 1.1 * held < *free), "{name}: {held:?} {free:?}");
+        let (held, free) = (grown(&alone(name)), grown(&free));
+        println!("{name} at 17 years, m and m2 of leaves: {held:.1?}; without what wood costs {free:.1?}");
+        assert!(
+            held.iter().zip(&free).all(|(held, free)| 1.2 * held.1 < free.1),
+            "{name}: {held:?} {free:?}"
+        );
+        // A poplar's leader grows its whole flush with or without it.
+        let taller = held.iter().zip(&free).all(|(held, free)| 1.08 * held.0 < free.0);
+        assert!(taller || name == "lombardy_poplar", "{name}: {held:?} {free:?}");
     }
 }
 

@@ -62,8 +62,8 @@ fn beside_a_wall_a_crown_leans_into_the_open() {
 
 #[test]
 fn after_losing_half_its_crown_a_tree_refills_the_gap() {
-    const YEARS: u32 = 7;
-    for (name, steps) in THREE {
+    // A birch, of few side axes and strong leaders, takes longer.
+    for ((name, steps), years) in THREE.into_iter().zip([5, 7, 5]) {
         let regrown = over_seeds(1..4, |seed| {
             let mut garden = garden(alone(name), seed);
             for _ in 0..steps {
@@ -76,12 +76,12 @@ fn after_losing_half_its_crown_a_tree_refills_the_gap() {
             let before = side(&garden.snapshot());
             prune_side(&mut garden);
             let cut = side(&garden.snapshot());
-            for _ in 0..YEARS {
+            for _ in 0..years {
                 garden.step().unwrap();
             }
             (cut / before, side(&garden.snapshot()) / before)
         });
-        println!("{name}: of the half lost, left and {YEARS} years later {regrown:.2?}");
+        println!("{name}: of the half lost, left and {years} years later {regrown:.2?}");
         let after = median(regrown.iter().map(|(_, after)| *after).collect());
         assert!(after > 0.6, "{name}: {after}");
         assert!(regrown.iter().all(|(cut, after)| *after > 2.0 * cut), "{name}: {regrown:?}");
