@@ -15,6 +15,12 @@ const SIDES: [u32; 2] = [3, 12];
 const ROUND_RADIUS: f32 = 0.2;
 /// Widening of the base of an axis, as a multiple of its first radius.
 const FLARE: f32 = 1.35;
+/// How much wider than its own radius a trunk stands on the ground.
+const SWELLING: f32 = 0.8;
+/// Height in which the swelling falls to a third, in radii.
+const SWELLING_HEIGHT: f32 = 0.8;
+/// Heights of the rings that round the swelling off, in radii.
+const SWOLLEN_RINGS: [f32; 4] = [0.3, 0.7, 1.3, 2.2];
 /// Radius at the tip of an axis that bears no other, as a share of its last internode's.
 const TIP: f32 = 0.5;
 /// Width of a tile of bark about which tiles are made to fit, metres.
@@ -93,6 +99,21 @@ pub(super) struct Ring {
     pub(super) place: Place,
 }
 
+impl Ring {
+    /// The ring at a distance from the base of the axis between this one and the next.
+    fn towards(&self, next: &Self, along: f32) -> Self {
+        let part = (along - self.along) / (next.along - self.along);
+        let from = if self.place.organ == next.place.organ { self.place.along } else { 0.0 };
+        Self {
+            center: self.center.lerp(next.center, part),
+            direction: self.direction.lerp(next.direction, part).normalize_or(self.direction),
+            radius: self.radius.lerp(next.radius, part),
+            along,
+            place: Place { organ: next.place.organ, along: from.lerp(next.place.along, part) },
+        }
+    }
+}
+
 /// The wood of every plant, by its index in [`Snapshot::plants`]; a gone plant's is empty.
 ///
 /// Texture coordinates: tiles of bark, u a whole number of them around, v from the base of the axis; tiles are as long
@@ -125,12 +146,11 @@ pub(super) fn lay_rings(snapshot: &Snapshot, axes: &Axes, start: u32, rings: &mu
         let radius = internode.radius;
         match rings.last_mut() {
             None => {
-                let widest =
-                    internode_below(snapshot, i).map_or(f32::INFINITY, |below| below.radius.max(radius));
+                let below = internode_below(snapshot, i);
                 rings.push(Ring {
                     center: pose.position,
                     direction: heading,
-                    radius: (FLARE * radius).min(widest),
+                    radius: below.map_or(radius, |below| (FLARE * radius).min(below.radius.max(radius))),
                     along,
                     place: Place { organ: i, along: 0.0 },
                 });
@@ -147,6 +167,25 @@ pub(super) fn lay_rings(snapshot: &Snapshot, axes: &Axes, start: u32, rings: &mu
     }
     if let Some(tip) = rings.last_mut().filter(|_| !axes.bears[last as usize]) {
         tip.radius *= TIP;
+    }
+    if internode_below(snapshot, start).is_none() {
+        swell(rings);
+    }
+}
+
+/// Gives an upright trunk the swollen base on which trees stand.
+fn swell(rings: &mut Vec<Ring>) {
+    let Some(base) = rings.first().copied().filter(|base| base.direction.y > 0.7) else { return };
+    for height in SWOLLEN_RINGS.map(|height| height * base.radius) {
+        let Some(next) = rings.iter().position(|ring| ring.along >= height) else { break };
+        let (lower, upper) = (rings[next.max(1) - 1], rings[next]);
+        // Not where a ring is anyway.
+        if (height - lower.along).min(upper.along - height) > 0.1 * base.radius {
+            rings.insert(next, lower.towards(&upper, height));
+        }
+    }
+    for ring in rings {
+        ring.radius *= 1.0 + SWELLING * ops::exp(-ring.along / (SWELLING_HEIGHT * base.radius));
     }
 }
 
@@ -258,6 +297,25 @@ mod tests {
             let middle = (a + b + c) / 3.0;
             assert!((b - a).cross(c - a).dot(middle - Vec3::Y * (middle.y - 0.1)) > 0.0);
         }
+    }
+
+    #[test]
+    fn a_trunk_stands_on_a_swollen_base_and_a_root_does_not() {
+        let mut rings = vec![
+            ring(Vec3::ZERO, Vec3::Y, 0.2, 0.0),
+            ring(Vec3::Y * 0.2, Vec3::Y, 0.2, 0.2),
+            ring(Vec3::Y, Vec3::Y, 0.2, 1.0),
+            ring(Vec3::Y * 2.0, Vec3::Y, 0.2, 2.0),
+        ];
+        let mut root: Vec<_> =
+            rings.iter().map(|r| ring(-r.center, -r.direction, r.radius, r.along)).collect();
+        swell(&mut rings);
+        assert!(rings.len() > 6, "{rings:?}");
+        assert!(rings.is_sorted_by(|a, b| a.along < b.along && a.radius > b.radius), "{rings:?}");
+        assert!((rings[0].radius - 0.36).abs() < 1e-6);
+        assert!(rings[rings.len() - 1].radius < 0.2001, "the stem above is as it was");
+        swell(&mut root);
+        assert!(root.len() == 4 && root.iter().all(|r| r.radius == 0.2));
     }
 
     #[test]

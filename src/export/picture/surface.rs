@@ -7,8 +7,9 @@ use super::camera::Camera;
 use super::look::Palette;
 use super::noise::{fract, hash, mix, rough, smooth, unit, value};
 use super::shore;
+use super::wood::SeenWood;
 use crate::environment::trace::{Hit, Seen};
-use crate::environment::{LeafPatch, Scene, SolidShape, StandingSolid};
+use crate::environment::{LeafPatch, SolidShape, StandingSolid};
 use crate::shape::bark::{Bark, Grain};
 use crate::shape::blade;
 
@@ -53,12 +54,20 @@ impl Surface {
     }
 
     /// The surface met by a ray of direction `d` at `point`.
-    pub(super) fn at(scene: &Scene, palette: &Palette, hit: &Hit, point: Vec3, d: Vec3, view: &View) -> Self {
+    pub(super) fn at(
+        wood: &SeenWood,
+        palette: &Palette,
+        hit: &Hit,
+        point: Vec3,
+        d: Vec3,
+        view: &View,
+    ) -> Self {
+        let scene = &wood.scene;
         let footprint = hit.t * view.pixel;
         match hit.seen {
             Seen::Wood(i) => {
-                let wood = &scene.capsules[i as usize];
-                bark(&palette.plant(wood.plant).bark, point, wood.radius, hit.normal)
+                let plant = scene.capsules[i as usize].plant;
+                bark(&palette.plant(plant).bark, point, wood.radius(i), hit.normal)
             }
             Seen::Leaf(i) => {
                 let patch = &scene.leaves[i as usize];
