@@ -144,7 +144,8 @@ fn tubes_have_no_gap() {
     for ((a, _), count) in &open {
         assert_eq!(**count, 1);
         let point = Vec3::from(a.map(f32::from_bits));
-        assert!(bases.iter().any(|base| base.distance(point) < 0.07), "open at {point}");
+        // The trunk of 5 cm stands on a base swollen to 9.
+        assert!(bases.iter().any(|base| base.distance(point) < 0.091), "open at {point}");
     }
     assert!((9..=36).contains(&open.len()), "three open rings, {} edges", open.len());
 }

@@ -16,13 +16,11 @@ use common::{garden, grown, over_seeds, quick, shipped};
 
 const SEEDS: std::ops::Range<u64> = 1..11;
 
-/// A scenario whose oaks earn two thirds of the usual, for small trees in little time, and look around through the
-/// smallest faces.
+/// A scenario whose oaks look around through the smallest faces, which takes little time.
 fn small_oaks(name: &str) -> ResolvedScenario {
     let mut resolved = quick(name);
     resolved.scenario.sensing.leaf_face = 2;
     resolved.scenario.sensing.bud_face = 4;
-    resolved.species.get_mut("oak").unwrap().leaf_income = 4.8;
     resolved
 }
 
@@ -402,7 +400,6 @@ fn an_organ_despawned_from_outside_takes_what_it_bore_along() {
 fn two_trees_together_are_both_smaller_than_alone() {
     let steps = 12;
     let mut resolved = small_oaks("two_oaks");
-    resolved.species.get_mut("oak").unwrap().leaf_income = 4.4;
     for (plant, x) in resolved.scenario.plants.iter_mut().zip([-0.4, 0.4]) {
         plant.at = Vec3::X * x;
     }

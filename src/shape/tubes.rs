@@ -175,7 +175,8 @@ pub(super) fn lay_rings(snapshot: &Snapshot, axes: &Axes, start: u32, rings: &mu
 
 /// Gives an upright trunk the swollen base on which trees stand.
 fn swell(rings: &mut Vec<Ring>) {
-    let Some(base) = rings.first().copied().filter(|base| base.direction.y > 0.7) else { return };
+    let upright = |base: &Ring| base.direction.y > 0.7 && base.radius > 0.0;
+    let Some(base) = rings.first().copied().filter(upright) else { return };
     for height in SWOLLEN_RINGS.map(|height| height * base.radius) {
         let Some(next) = rings.iter().position(|ring| ring.along >= height) else { break };
         let (lower, upper) = (rings[next.max(1) - 1], rings[next]);
