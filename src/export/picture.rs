@@ -154,7 +154,6 @@ impl Painter<'_> {
         for (hit, share) in &layers {
             let (light, kind) = self.see(hit, d, (x, y), stream);
             sum += light * *share;
-            // Fine wood before a thing is a mixture of its own.
             kinds = mix(kinds, kind);
         }
         (sum, kinds)

@@ -140,10 +140,10 @@ fn a_poor_old_oak_thins_its_crown_and_never_drops_it() {
         .collect();
     left.sort_by(f64::total_cmp);
     println!("of {} years the worst leave {:.2?} of a crown", left.len(), &left[..8]);
-    assert!(left[0] > 0.3 && left[left.len() / 100] > 0.4, "{:?}", &left[..8]);
+    assert!(left[0] > 1.0 / 3.0 && left[left.len() / 100] > 0.5, "{:?}", &left[..8]);
     let mut old: Vec<usize> = crowns.iter().map(|leaves| leaves[41]).collect();
     old.sort_unstable();
-    assert!(old[0] > 50 && old[10] > 150, "they live and grow: {old:?} leaves");
+    assert!(old[0] > 50 && old[10] > 200, "they live and grow: {old:?} leaves");
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! A few samples a pixel meet such a twig here and miss it there, so that it breaks up into dots. Widened, it is met
 //! all along; its colour counts by the share of the width that is its own. Nothing of this is sensed by plants.
 
+use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
 use smallvec::SmallVec;
 
@@ -91,10 +92,10 @@ impl SeenWood {
 
 /// The lowest wood of every plant that stands upright on the ground.
 fn trunk_bases(scene: &Scene) -> impl Iterator<Item = &Capsule> {
-    let mut plant = None;
+    let mut plants = HashSet::new();
     scene.capsules.iter().filter(move |wood| {
-        let is_first = plant != Some(wood.plant);
-        plant = Some(wood.plant);
+        // Wood stands in the order of birth, that of several plants mixed.
+        let is_first = plants.insert(wood.plant);
         let rises = (wood.to - wood.from).try_normalize().is_some_and(|up| up.y > 0.7);
         let stands = scene.ground.is_some_and(|ground| (wood.from.y - ground).abs() < wood.radius);
         is_first && rises && stands
@@ -117,4 +118,35 @@ fn buttresses(trunk: &Capsule) -> impl Iterator<Item = Capsule> + use<> {
             ..trunk
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wood(plant: u32, organ: u32, from: Vec3, to: Vec3) -> Capsule {
+        Capsule { from, to, radius: 0.1, organ, plant }
+    }
+
+    #[test]
+    fn every_trunk_on_the_ground_has_one_swollen_base() {
+        let scene = Scene {
+            capsules: vec![
+                wood(0, 0, Vec3::ZERO, Vec3::Y * 0.05),
+                wood(1, 1, Vec3::X, Vec3::X + Vec3::Y),
+                wood(0, 2, Vec3::Y * 0.05, Vec3::Y),
+                // Lies, and hangs in the air.
+                wood(2, 3, Vec3::Z, Vec3::Z * 2.0),
+                wood(3, 4, Vec3::new(0.0, 3.0, 0.0), Vec3::new(0.0, 4.0, 0.0)),
+            ],
+            ground: Some(0.0),
+            ..Scene::default()
+        };
+        let camera = Camera::looking(Vec3::new(0.0, 1.0, 6.0), Vec3::Y);
+        let seen = SeenWood::of(&scene, &camera, 1e-4);
+        let added = &seen.scene.capsules[scene.capsules.len()..];
+        let of = |plant| added.iter().filter(|wood| wood.plant == plant).count() as u32;
+        assert_eq!([0, 1, 2, 3].map(of), [ROOTS, ROOTS, 0, 0]);
+        assert!(added.iter().all(|wood| wood.from.y > 0.1 && wood.to.y < 0.0), "{added:?}");
+    }
 }
