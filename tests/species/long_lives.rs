@@ -27,9 +27,9 @@ fn poor_ground(name: &str) -> Option<f32> {
         "norway_spruce" => Some(0.16),
         "scots_pine" => Some(0.4),
         "silver_birch" => Some(0.6),
-        "japanese_maple" => Some(0.35),
+        "japanese_maple" => Some(0.33),
         "candelabra" => Some(0.7),
-        "weeping_willow" => Some(0.6),
+        "weeping_willow" => Some(0.46),
         _ => None,
     }
 }

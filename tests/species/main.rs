@@ -101,6 +101,13 @@ fn limbs_that_sag_go_through_no_wall() {
     }
 }
 
+/// Looks around through the smallest faces, which takes little time.
+fn coarse(mut resolved: ResolvedScenario) -> ResolvedScenario {
+    resolved.scenario.sensing.leaf_face = 2;
+    resolved.scenario.sensing.bud_face = 4;
+    resolved
+}
+
 /// What a test needs of a scenario: the last snapshot.
 fn last(resolved: ResolvedScenario, seed: u64, steps: u32) -> Snapshot {
     common::grown(resolved, seed, steps).snapshot()
@@ -127,9 +134,7 @@ fn leaves_by_step(resolved: ResolvedScenario, seed: u64, steps: u32) -> Vec<usiz
 #[test]
 fn a_poor_old_oak_thins_its_crown_and_never_drops_it() {
     let crowns = over_seeds(1..21, |seed| {
-        let mut resolved = alone("oak");
-        resolved.scenario.sensing.leaf_face = 2;
-        resolved.scenario.sensing.bud_face = 4;
+        let mut resolved = coarse(alone("oak"));
         resolved.species.get_mut("oak").unwrap().leaf_income = 2.2;
         leaves_by_step(resolved, seed, 42)
     });
@@ -150,7 +155,7 @@ fn a_poor_old_oak_thins_its_crown_and_never_drops_it() {
 fn broadleaved_stumps_sprout() {
     for name in ["oak", "weeping_willow"] {
         let regrown = |sprouting: Option<f32>| {
-            let mut resolved = alone(name);
+            let mut resolved = coarse(alone(name));
             let species = resolved.species.get_mut(name).unwrap();
             species.sprouting = sprouting.unwrap_or(species.sprouting);
             let stump = TimedEdit { step: 14, edit: Edit::Top { plant: 0, above: 0.15 } };

@@ -13,14 +13,6 @@ fn leaves(shot: &Snapshot) -> Vec<Vec<Vec3>> {
     leaves
 }
 
-/// A scenario as it is shipped, seen more coarsely.
-fn coarse(name: &str) -> ResolvedScenario {
-    let mut resolved = shipped(name);
-    resolved.scenario.sensing.leaf_face = 2;
-    resolved.scenario.sensing.bud_face = 4;
-    resolved
-}
-
 #[test]
 fn a_hedge_cut_every_winter_keeps_its_block_and_is_in_leaf_to_the_foot() {
     let resolved = shipped("hedge");
@@ -47,7 +39,7 @@ fn a_hedge_cut_every_winter_keeps_its_block_and_is_in_leaf_to_the_foot() {
 #[test]
 fn oaks_of_an_avenue_lean_from_the_house_and_stay_behind_those_across_the_road() {
     for seed in 1..4 {
-        let resolved = coarse("avenue");
+        let resolved = coarse(shipped("avenue"));
         let places: Vec<Vec3> = resolved.scenario.plants.iter().map(|plant| plant.at).collect();
         let house = resolved.scenario.solids[0].at.x;
         let plants = leaves(&last(resolved, seed, 17));
@@ -69,7 +61,7 @@ fn oaks_of_an_avenue_lean_from_the_house_and_stay_behind_those_across_the_road()
 
 #[test]
 fn five_species_of_a_grove_live_side_by_side() {
-    let plants = leaves(&last(coarse("grove"), 1, 18));
+    let plants = leaves(&last(coarse(shipped("grove")), 1, 18));
     let counts: Vec<usize> = plants.iter().map(Vec::len).collect();
     println!("leaves: {counts:?}");
     assert!(counts.len() == 5 && counts.iter().all(|leaves| *leaves > 100), "{counts:?}");
