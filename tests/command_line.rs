@@ -183,6 +183,8 @@ fn bad_input_writes_nothing() {
         ("grow open --threads 100000", 2, "--threads"),
         ("grow open --seeds 5..1", 2, "--seeds"),
         ("grow --resume none.save", 1, "none.save"),
+        ("gallery hazel --steps 3", 2, "--ages"),
+        ("gallery hasel", 1, "hazel"),
         ("probe open --at 1,2", 2, "three numbers"),
         ("probe open --at NaN,0,0", 2, "three numbers"),
         ("check none.ron", 1, ""),
@@ -249,6 +251,33 @@ fn compare_shows_the_same_seed_side_by_side() {
     assert!(at.join("o/compare.gif").exists());
     ends(at, "compare figure_1c --out p", 2);
     ends(at, "compare figure_1c figure_1d --steps 2 --out o", 1);
+}
+
+#[test]
+fn a_gallery_shows_species_in_leaf_above_and_bare_below() {
+    const HIGH: u32 = 64;
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let sheet = |file: &str| image::open(at.join(file)).unwrap().into_rgb8();
+    let (out, _) = ends(at, "gallery hazel palm --ages 2,5 --height 64 --out o", 0);
+    assert!(out.contains("hazel") && out.contains("palm"), "{out}");
+    for (name, evergreen) in [("hazel", false), ("palm", true)] {
+        let sheet = sheet(&format!("o/{name}.png"));
+        let (wide, high) = sheet.dimensions();
+        assert!(wide >= 2 * (HIGH * 8 / 9) && high > 2 * HIGH, "{name}: {wide} x {high}");
+        let differ = (0..wide)
+            .flat_map(|x| (high - HIGH..high).map(move |y| (x, y)))
+            .filter(|&(x, y)| sheet.get_pixel(x, y) != sheet.get_pixel(x, y - HIGH - 3))
+            .count();
+        assert_eq!(differ == 0, evergreen, "{name}: {differ} texels are otherwise in winter");
+    }
+    let both = sheet("o/gallery.png");
+    assert!(both.width() > 4 * (HIGH * 8 / 9), "all on one sheet");
+    // A limit keeps what has grown.
+    let (_, err) = ends(at, "gallery palm hazel --ages 3,6 --height 64 --limit steps=4 --out short", 3);
+    assert!(err.contains("steps"), "{err}");
+    assert_eq!(sheet("short/palm.png").dimensions(), sheet("o/palm.png").dimensions());
+    assert!(at.join("short/gallery.png").exists() && !at.join("short/hazel.png").exists());
 }
 
 #[test]

@@ -273,6 +273,20 @@ fn organs_csv_reads_back_exactly() {
 fn steps_csv_reads_back_exactly() {
     let seconds = StageSeconds { generate: 0.001, update: 1e-7, sense: 1.0 / 3.0, finish: 0.0 };
     let record = StepRecord::of(&tree(), seconds);
+    // Each another, so that no two columns can change places.
+    let form = Form {
+        crown_width_m: 2.0,
+        crown_base_m: 3.0,
+        trunk_diameter_m: 4.0,
+        breast_diameter_m: 5.0,
+        live_crown_base_m: 6.0,
+        widest_height_m: 7.0,
+        drooping_share: 0.75,
+        by_order: [9, 10, 11, 12, 13],
+        leaf_area_m2: 14.0,
+        ..record.form
+    };
+    let record = StepRecord { form, ..record };
     let mut bytes = Vec::new();
     tables::write_steps(&[record, record], &mut bytes).unwrap();
     let mut table = csv::Reader::from_reader(&bytes[..]);
@@ -287,6 +301,22 @@ fn steps_csv_reads_back_exactly() {
     assert_eq!(number("max_order"), 1.0);
     assert_eq!(number("height_m") as f32, record.form.height_m);
     assert_eq!(number("mean_light"), record.form.mean_light);
+    let by_name = [
+        ("crown_width_m", 2.0),
+        ("crown_base_m", 3.0),
+        ("trunk_diameter_m", 4.0),
+        ("breast_diameter_m", 5.0),
+        ("live_crown_base_m", 6.0),
+        ("widest_height_m", 7.0),
+        ("drooping_share", 0.75),
+        ("order_0", 9.0),
+        ("order_2", 11.0),
+        ("order_4_and_above", 13.0),
+        ("leaf_area_m2", 14.0),
+    ];
+    for (name, value) in by_name {
+        assert_eq!(number(name), value, "{name}");
+    }
     assert_eq!(number("income"), 0.1 + 0.2);
     assert_eq!(number("store"), 3.5);
     assert_eq!(number("sense_s"), 1.0 / 3.0);
@@ -314,6 +344,34 @@ fn form_measures_the_plant() {
     close(form.leaf_area_m2 as f32, 0.25 * Species::default().leaf_area());
     close(form.mean_light as f32, snapshot.exposure[2].light);
     assert_eq!(Form::of(&snapshot, Some(0)), Form::default());
+}
+
+#[test]
+fn form_measures_the_crown_as_a_forester_would() {
+    let mut sketch = Sketch::new(Species::default(), Vec3::new(3.0, 2.0, 0.0));
+    let out = |degrees: f32| Quat::from_rotation_z(-degrees.to_radians());
+    let foot = sketch.stem(NO_PARENT, 0, Quat::IDENTITY, 1.0, 0.1, 1.0);
+    let trunk = sketch.stem(foot, 0, Quat::IDENTITY, 3.0, 0.05, 4.0);
+    let hangs = sketch.stem(trunk, 1, out(150.0), 1.0, 0.01, 1.0);
+    let limbs = [80.0, -80.0].map(|degrees| sketch.stem(foot, 1, out(degrees), 3.0, 0.01, 3.0));
+    sketch.stem(limbs[0], 2, out(-80.0), 0.5, 0.005, 0.5);
+    for (stem, size) in [(foot, 0.01), (trunk, 1.0), (hangs, 1.0), (limbs[0], 1.0), (limbs[1], 1.0)] {
+        let leaf = Leaf { size, state: LeafState::Terminated };
+        sketch.organ(stem, 1, Quat::IDENTITY, OrganState::Leaf(leaf));
+    }
+    let form = Form::of(&sketch.finish(), None);
+    let close = |a: f32, b: f32| assert!((a - b).abs() < 1e-4, "{a} {b}");
+    close(form.trunk_diameter_m, 0.2);
+    // Limbs cross 1.3 m too; the trunk is thicker there.
+    close(form.breast_diameter_m, 0.1);
+    // The leaf at 1 m is the lowest, and a four-hundredth of all: the live crown begins with the limbs'.
+    let limbs_at = 1.0 + 3.0 * ops::cos(80.0_f32.to_radians());
+    close(form.crown_base_m, 1.0);
+    close(form.live_crown_base_m, limbs_at);
+    // Ten layers between leaves at 1 and 4 m; the limbs' tips are in the second.
+    close(form.widest_height_m, 1.45);
+    close(form.drooping_share, 1.0 / 7.5);
+    assert_eq!(form.by_order, [2, 3, 1, 0, 0]);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use burgeon::export::film::save_png;
 use burgeon::export::picture::{Bounds, Camera, Palette, PictureSettings, render};
 use burgeon::files::ResolvedScenario;
 use burgeon::plant::measure::Form;
-use burgeon::scenario::Garden;
+use burgeon::scenario::{Garden, GardenError};
 use burgeon::species::Allocation;
 use clap::Args;
 use image::RgbImage;
@@ -55,6 +55,11 @@ struct Grown {
 impl Gallery {
     /// Runs the command.
     pub fn run(&self) -> Result<(), Failure> {
+        if self.common.steps.is_some() {
+            return Err(Failure::Usage(
+                "a gallery has no --steps: --ages says how many years it grows".into(),
+            ));
+        }
         let library = super::input::library(&self.common.assets)?;
         let names = match &self.species[..] {
             [] => all(&library)?,
@@ -75,12 +80,14 @@ impl Gallery {
         let years = u64::from(ages.last().copied().unwrap_or(0));
         let bar = progress(names.len() as u64 * years, "year");
         let mut rows = Vec::new();
+        let mut stopped = Ok(());
         for ((name, file), (mut resolved, year)) in names.iter().zip(&files).zip(plans) {
             for setting in &self.common.set {
                 resolved.apply_set(setting)?;
             }
             bar.set_message(name.clone());
-            let grown = self.grow(name, resolved, year, &ages, &workers, || bar.inc(1))?;
+            let grown;
+            (grown, stopped) = self.grow(name, resolved, year, &ages, &workers, || bar.inc(1))?;
             let form = &grown.form;
             bar.suspend(|| {
                 say(format_args!(
@@ -96,6 +103,9 @@ impl Gallery {
             let both = [side_by_side(&grown.leafy, 3), side_by_side(&grown.bare, 3)];
             save_png(&folder.file(file), &titled(&grid(&both, 1, 3), &grown.name, 2))?;
             rows.push(grown);
+            if stopped.is_err() {
+                break;
+            }
         }
         bar.finish_and_clear();
         let cells: Vec<RgbImage> = rows
@@ -107,9 +117,10 @@ impl Gallery {
             .collect();
         save_png(&folder.file("gallery.png"), &grid(&cells, 2, 6))?;
         say(folder.line());
-        Ok(())
+        Ok(stopped?)
     }
 
+    /// Grows a species to all ages, or to a limit; what there is of it then is the last picture.
     fn grow(
         &self,
         name: &str,
@@ -118,17 +129,21 @@ impl Gallery {
         ages: &[u32],
         workers: &Workers,
         mut each_year: impl FnMut(),
-    ) -> Result<Grown, Failure> {
+    ) -> Result<(Grown, Result<(), GardenError>), Failure> {
         let evergreen = resolved.species.values().all(|species| species.evergreen);
         let mut garden = Garden::new(resolved, self.common.seed.unwrap_or(1), self.common.workers()?)?;
         garden.set_limits(self.common.limits());
         let mut seconds = 0.0;
         let (mut leafy, mut bare) = (Vec::new(), Vec::new());
+        let mut stopped = Ok(());
         for &age in ages {
+            if stopped.is_err() {
+                break;
+            }
             let began = std::time::Instant::now();
-            while garden.steps() < age * year {
-                garden.step()?;
-                if garden.steps().is_multiple_of(year) {
+            while stopped.is_ok() && garden.steps() < age * year {
+                stopped = garden.step().map(|_| ());
+                if stopped.is_ok() && garden.steps().is_multiple_of(year) {
                     each_year();
                 }
             }
@@ -145,7 +160,8 @@ impl Gallery {
             }
             leafy.push(picture);
         }
-        Ok(Grown { name: name.into(), leafy, bare, seconds, form: Form::of(&garden.snapshot(), None) })
+        let form = Form::of(&garden.snapshot(), None);
+        Ok((Grown { name: name.into(), leafy, bare, seconds, form }, stopped))
     }
 
     fn picture(&self, scene: &Scene, palette: &Palette, workers: &Workers) -> RgbImage {

@@ -157,6 +157,12 @@ impl<T> Lot<T> {
     }
 }
 
+/// A linear colour in five bits a channel, each the root of how bright it is: a number every `f32` holds.
+fn five_bits(color: Vec3) -> f32 {
+    let root = |bright: f32| (31.0 * bright.clamp(0.0, 1.0).sqrt()).round();
+    (root(color.x) * 32.0 + root(color.y)) * 32.0 + root(color.z)
+}
+
 /// The points of a blade's margin, and how many there are.
 fn margin(outline: LeafOutline) -> ([[f32; 4]; 4], u8) {
     let mut rows = [[0.0; 4]; 4];
@@ -183,7 +189,7 @@ fn entries(union: &union::Union, count: usize) -> Vec<PlantEntry> {
         let bark = Bark::of(species);
         let [lr, lg, lb] = species.leaf_color.linear();
         *entry = PlantEntry {
-            base: plant.position.extend(0.0).to_array(),
+            base: plant.position.extend(five_bits(bark.mark)).to_array(),
             crown_before: crown(&before, &now),
             crown_now: crown(&now, &before),
             bark: bark.old.extend(bark.pattern as u32 as f32).to_array(),

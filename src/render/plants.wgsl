@@ -18,6 +18,7 @@
 #endif
 
 struct Plant {
+    // Where it stands; the colour of its bark's marks.
     base: vec4<f32>,
     crown_before: vec4<f32>,
     crown_now: vec4<f32>,
@@ -58,6 +59,7 @@ const TAU: f32 = 6.2831853;
 const THINNEST: f32 = 0.6;
 // Patterns of bark that differ from ridges, in the order of `BarkPattern`.
 const SMOOTH: f32 = 1.0;
+const PLATES: f32 = 2.0;
 const BANDED: f32 = 3.0;
 const RINGED: f32 = 4.0;
 
@@ -244,7 +246,9 @@ fn branch(first: u32, packed: u32, world_from_local: mat4x4<f32>) -> Point {
     // The pattern rides on the radius, which stays well below.
     out.uv_b = vec2(min(at.radius, 15.0) + 16.0 * plants[plant].bark.w, false_color.a);
     let own = bark_color(plant, at.radius);
-    out.color = vec4(mix(own, false_color.rgb, false_color.a), f32(mark_of(far)));
+    // The colour of the bark's marks rides on the mark, which is below 4.
+    let tint = 4.0 * plants[plant].base.w;
+    out.color = vec4(mix(own, false_color.rgb, false_color.a), f32(mark_of(far)) + tint);
     return out;
 }
 
@@ -409,6 +413,12 @@ fn bark_at(around: f32, along: f32, tiles: f32) -> vec4<f32> {
     return textureSample(bark_texture, bark_sampler, vec2(around * tiles, along));
 }
 
+// Colour of five bits a channel, each the root of how bright it is.
+fn mark_color(bits: i32) -> vec3<f32> {
+    let roots = vec3(f32((bits >> 10) & 31), f32((bits >> 5) & 31), f32(bits & 31)) / 31.0;
+    return roots * roots;
+}
+
 // Which way texture runs across a surface that has no tangents.
 fn bumped(normal: vec3<f32>, position: vec3<f32>, uv: vec2<f32>, bump: vec2<f32>) -> vec3<f32> {
     let dx = dpdx(position);
@@ -445,6 +455,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     }
     var pbr = pbr_input_from_standard_material(in, is_front);
     var color = in.color.rgb;
+    let tag = i32(round(in.color.a));
     let plain = 1.0 - in.uv_b.y;
 #ifdef LEAF
     // Paler veins: the midrib and six pairs that leave it at an angle.
@@ -472,17 +483,27 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     // Twigs are smooth.
     let streak = bark_at(in.uv.x, in.uv.y * 2.3, 2.0).a;
     var rough = smoothstep(0.004, 0.05, radius) * plain;
+    let blotch = bark_at(in.uv.x, in.uv.y * 0.9, 1.0).a;
+    let flake = bark_at(in.uv.x, in.uv.y * 4.0, 2.0 * tiles).a;
     if pattern == SMOOTH || pattern == BANDED {
         rough *= 0.3;
     }
+    // How much of the marks shows: as `Bark::at` has it.
+    var shows = 0.0;
+    if pattern == PLATES {
+        rough *= 0.7;
+        shows = 0.8 * (1.0 - smoothstep(0.01, 0.05, abs(flake - 0.5)));
+    }
     if pattern == BANDED {
-        // Level streaks on the stouter stems.
-        color *= 1.0 - 0.85 * smoothstep(0.56, 0.64, streak) * smoothstep(0.02, 0.05, radius) * plain;
+        // Level streaks, and at the foot of a stout trunk blotches that meet.
+        let foot = 0.16 * smoothstep(0.06, 0.16, radius);
+        shows = max(smoothstep(0.56, 0.64, streak), smoothstep(0.70 - foot, 0.76 - foot, blotch));
     }
     if pattern == RINGED {
         let ring = abs(fract(in.uv.y / 0.09) - 0.5);
-        color *= 1.0 - 0.45 * (1.0 - smoothstep(0.0, 0.2, ring)) * plain;
+        shows = 0.55 * (1.0 - smoothstep(0.0, 0.22, ring));
     }
+    color = mix(color, mark_color(tag >> 2), shows * smoothstep(0.02, 0.05, radius) * plain);
     let crust = bark.a - 0.5;
     color *= mix(1.0, (0.55 + 1.0 * bark.b) * (1.0 + 0.3 * crust), 0.35 * plain + 0.65 * rough);
     color *= mix(vec3(1.0), vec3(1.0 + 0.14 * crust, 1.0, 1.0 - 0.16 * crust), rough);
@@ -501,7 +522,7 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     let edge = 1.0 - abs(dot(pbr.N, pbr.V));
     let fill = clock.fill.x * (color * 0.7 + vec3(0.05, 0.055, 0.03) * edge * edge);
     out.color = vec4(out.color.rgb + fill, out.color.a);
-    let mark = i32(round(in.color.a));
+    let mark = tag & 3;
     if mark > 0 {
         let glow = clock.marks[mark - 1];
         let rim = 0.45 + 0.55 * (1.0 - abs(dot(pbr.N, pbr.V)));

@@ -200,7 +200,7 @@ fn values(values: Values) -> u32 {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct PlantEntry {
-    /// Where it stands, metres; the last is free.
+    /// Where it stands, metres; the colour of its bark's marks, five bits a channel.
     pub base: [f32; 4],
     /// Middle of its crown at the begin of the step, and how far leaves are from it, metres.
     pub crown_before: [f32; 4],

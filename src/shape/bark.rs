@@ -1,4 +1,5 @@
-//! Bark: what colour it has on a stem of some girth, the same for pictures, models and the window.
+//! Bark: what colour it has on a stem of some girth, for pictures and models. The window has the same colours and
+//! patterns, from one tile of noise (`plants.wgsl`).
 
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};

@@ -16,7 +16,7 @@ use burgeon::plant::measure::Form;
 use burgeon::plant::skeleton::Skeleton;
 use burgeon::plant::{OrganKind, Snapshot};
 use burgeon::scenario::{Edit, PlacedSolid, Scenario, TimedEdit, apply};
-use burgeon::species::Allocation;
+use burgeon::species::{Allocation, Species};
 use common::check::grow_past_solids;
 use common::{garden, over_seeds, shipped};
 

@@ -161,3 +161,15 @@ fn nothing_packs_to_nothing() {
     assert!(packed.chunks.is_empty() && packed.blades.is_empty());
     assert_eq!(packed.rings.len(), 1);
 }
+
+#[test]
+fn the_colour_of_the_barks_marks_comes_along() {
+    assert_eq!(five_bits(Vec3::ZERO), 0.0);
+    assert_eq!(five_bits(Vec3::ONE), 32767.0);
+    // As the shader reads it.
+    let read = |bits: f32| [10, 5, 0].map(|shift| ((bits as u32 >> shift) & 31) as f32 / 31.0).map(|r| r * r);
+    for color in [Vec3::new(0.2, 0.7, 0.01), Vec3::new(0.9, 0.03, 0.4), Vec3::splat(2.0)] {
+        let back = Vec3::from_array(read(five_bits(color)));
+        assert!(back.distance(color.min(Vec3::ONE)) < 0.06, "{color} {back}");
+    }
+}
