@@ -185,6 +185,7 @@ fn trees_that_do_not_avoid_wood_tangle() {
 #[test]
 fn crown_width_and_height_follow_trunk_diameter_as_measured() {
     const AGE: f64 = 30.0;
+    let exp = |power: f64| f64::from(ops::exp(power as f32));
     for (name, [a, b], [c, p, q, r, s]) in [
         ("oak", [-0.397, 0.733], [5.78, 258.0, 6310.0, 0.0, 0.0]),
         ("silver_birch", [0.178, 0.567], [5.80, 226.0, 3917.0, 0.0017, 1.2e-5]),
@@ -195,9 +196,9 @@ fn crown_width_and_height_follow_trunk_diameter_as_measured() {
         let resolved = coarse(alone(name));
         for form in over_seeds(1..3, |seed| Form::of(&last(resolved.clone(), seed, 30), None)) {
             let diameter_cm = 100.0 * f64::from(form.breast_diameter_m);
-            let wide = f64::from(form.crown_width_m) / (a + b * diameter_cm.ln()).exp();
+            let wide = f64::from(form.crown_width_m) / exp(a + b * f64::from(ops::ln(diameter_cm as f32)));
             let x = 10.0 * diameter_cm + 50.0;
-            let stand = 0.1 * (c - p / x + q / (x * x) + r * AGE - s * AGE * AGE).exp();
+            let stand = 0.1 * exp(c - p / x + q / (x * x) + r * AGE - s * AGE * AGE);
             let high = f64::from(form.height_m) / stand;
             println!(
                 "{name}: {diameter_cm:.0} cm, crown {wide:.2} of Hasenauer's, height {high:.2} of Soderberg's"
