@@ -12,15 +12,12 @@ use burgeon::export::{ExportError, film, gltf};
 use burgeon::files::{RunFile, SaveError, StepHashes, read_save, write_save};
 use burgeon::plant::{OrganState, Snapshot, SnapshotError, restore};
 use burgeon::scenario::{Garden, GardenSave, GardenSaveError, SavedRun};
-use common::{garden, grown, quick};
+use common::{coarse, garden, grown, quick, shipped};
 use proptest::prelude::*;
 
 /// A lam_king tree of a few steps beside a wall, looking around through the smallest faces.
 fn small() -> Garden {
-    let mut resolved = quick("figure_1d");
-    resolved.scenario.sensing.leaf_face = 2;
-    resolved.scenario.sensing.bud_face = 4;
-    grown(resolved, 1, 5)
+    grown(coarse(shipped("figure_1d")), 1, 5)
 }
 
 fn saved() -> SavedRun {

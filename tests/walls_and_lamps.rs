@@ -12,17 +12,9 @@ use burgeon::species::Species;
 use common::by_hand::Nursery;
 use common::check::{check, check_solids, check_world, grow_past_solids};
 use common::measure::{count, mean_position, wood_centroid};
-use common::{garden, grown, over_seeds, quick, shipped};
+use common::{coarse, garden, grown, over_seeds, quick, shipped};
 
 const SEEDS: std::ops::Range<u64> = 1..11;
-
-/// A scenario whose oaks look around through the smallest faces, which takes little time.
-fn small_oaks(name: &str) -> ResolvedScenario {
-    let mut resolved = quick(name);
-    resolved.scenario.sensing.leaf_face = 2;
-    resolved.scenario.sensing.bud_face = 4;
-    resolved
-}
 
 /// Mean heading along x of the wood grown in some steps.
 fn heading_x(shot: &Snapshot, steps: std::ops::Range<u32>) -> f32 {
@@ -35,7 +27,7 @@ fn heading_x(shot: &Snapshot, steps: std::ops::Range<u32>) -> f32 {
 
 #[test]
 fn the_crown_leans_to_the_lamp() {
-    let trees = over_seeds(SEEDS, |seed| grown(small_oaks("lamp"), seed, 20).snapshot());
+    let trees = over_seeds(SEEDS, |seed| grown(coarse(shipped("lamp")), seed, 20).snapshot());
     let lean: Vec<f32> = trees.iter().map(|shot| wood_centroid(shot, 0).x).collect();
     let heading: Vec<f32> = trees.iter().map(|shot| heading_x(shot, 10..20)).collect();
     println!("lamp at x = 4 m: wood centred at {lean:.2?} m, the crown heads {heading:.2?} that way");
@@ -46,7 +38,7 @@ fn the_crown_leans_to_the_lamp() {
 #[test]
 fn what_grows_after_the_lamp_has_moved_leans_the_other_way() {
     let turned = over_seeds(SEEDS, |seed| {
-        let mut garden = grown(small_oaks("lamp_moved"), seed, 20);
+        let mut garden = grown(coarse(shipped("lamp_moved")), seed, 20);
         let before = heading_x(&garden.snapshot(), 10..20);
         for _ in 20..27 {
             garden.step().unwrap();
@@ -62,7 +54,7 @@ fn what_grows_after_the_lamp_has_moved_leans_the_other_way() {
 #[test]
 fn a_tree_whose_only_lamp_goes_out_starves() {
     for seed in 1..4 {
-        let mut resolved = small_oaks("lamp");
+        let mut resolved = coarse(shipped("lamp"));
         resolved.scenario.sky = Sky { strength: 0.0, ..resolved.scenario.sky };
         resolved.scenario.edits =
             vec![TimedEdit { step: 8, edit: Edit::Switch { name: "lamp".into(), on: false } }];
@@ -99,12 +91,10 @@ fn an_oak_in_a_courtyard_is_in_leaf_every_year() {
 #[test]
 fn no_branch_passes_through_a_solid_in_any_scenario() {
     for name in Library::embedded().scenario_names() {
-        let mut resolved = quick(&name);
+        let mut resolved = coarse(shipped(&name));
         if resolved.scenario.solids.is_empty() {
             continue;
         }
-        resolved.scenario.sensing.leaf_face = 2;
-        resolved.scenario.sensing.bud_face = 4;
         // Solids so near to a seedling that it cannot but grow against them, and buds that do not look out for room.
         for solid in &mut resolved.scenario.solids {
             solid.at += to_the_nearest_plant(solid, &resolved.scenario.plants);
@@ -399,7 +389,7 @@ fn an_organ_despawned_from_outside_takes_what_it_bore_along() {
 #[test]
 fn two_trees_together_are_both_smaller_than_alone() {
     let steps = 12;
-    let mut resolved = small_oaks("two_oaks");
+    let mut resolved = coarse(shipped("two_oaks"));
     for (plant, x) in resolved.scenario.plants.iter_mut().zip([-0.4, 0.4]) {
         plant.at = Vec3::X * x;
     }

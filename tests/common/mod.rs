@@ -28,6 +28,13 @@ pub fn quick(name: &str) -> ResolvedScenario {
     resolved
 }
 
+/// Looks around through the smallest faces, which takes little time.
+pub fn coarse(mut resolved: ResolvedScenario) -> ResolvedScenario {
+    resolved.scenario.sensing.leaf_face = 2;
+    resolved.scenario.sensing.bud_face = 4;
+    resolved
+}
+
 /// One small plant in the open, looking around through the smallest faces.
 pub fn pot(species: Species) -> ResolvedScenario {
     let mut resolved = quick("figure_1c");

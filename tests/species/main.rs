@@ -18,7 +18,7 @@ use burgeon::plant::{OrganKind, Snapshot};
 use burgeon::scenario::{Edit, PlacedSolid, Scenario, TimedEdit, apply};
 use burgeon::species::{Allocation, Species};
 use common::check::grow_past_solids;
-use common::{garden, over_seeds, shipped};
+use common::{coarse, garden, over_seeds, shipped};
 
 /// A plant of a species alone in the open.
 fn alone(name: &str) -> ResolvedScenario {
@@ -99,13 +99,6 @@ fn limbs_that_sag_go_through_no_wall() {
             grow_past_solids(resolved, seed, 10);
         });
     }
-}
-
-/// Looks around through the smallest faces, which takes little time.
-fn coarse(mut resolved: ResolvedScenario) -> ResolvedScenario {
-    resolved.scenario.sensing.leaf_face = 2;
-    resolved.scenario.sensing.bud_face = 4;
-    resolved
 }
 
 /// What a test needs of a scenario: the last snapshot.
