@@ -49,7 +49,7 @@ parameters! {
         node_spacing_m: f32 = 0.2, "m", Range::real(0.001, 10.0);
         /// Longest straight segment; a longer node spacing is made of several.
         internode_m: f32 = 0.2, "m", Range::real(0.001, 10.0);
-        /// Longest growth of a bud in one step, at full energy.
+        /// Longest growth of a bud in one step, at full energy; by exposure.
         extension_m: f32 = 0.2, "m", Range::real(0.001, 10.0);
         /// Leaves formed at a node.
         leaves_per_node: u32 = 3, "", Range::whole(0, 12);
@@ -199,10 +199,8 @@ parameters! {
         vigour_short: f32 = 0.25, "internodes", Range::real(0.0, 1.0);
         /// Length of the internode of a short shoot relative to a full one.
         short_internode: f32 = 0.12, "", Range::real(0.001, 1.0);
-        /// Internodes a seedling grows a step at least, while it is young.
-        seedling_vigour: f32 = 0.0, "internodes", Range::real(0.0, 1000.0);
-        /// How long a plant counts as a seedling.
-        seedling_steps: u32 = 0, "steps", Range::whole(0, 10_000);
+        /// Internodes of the shoot a seed opens with, at least one, as far as its energy goes; by vigour.
+        seedling_internodes: f32 = 0.0, "internodes", Range::real(0.0, 1000.0);
         /// Share of the energy that living buds leave which opens new ones on bare old wood; 0: cut back, it stays bare.
         sprouting: f32 = 0.0, "1/step", Range::real(0.0, 1.0);
         /// Income per living node below which a side axis is poor.

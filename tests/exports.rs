@@ -364,12 +364,15 @@ fn form_measures_the_crown_as_a_forester_would() {
     close(form.trunk_diameter_m, 0.2);
     // Limbs cross 1.3 m too; the trunk is thicker there.
     close(form.breast_diameter_m, 0.1);
-    // The leaf at 1 m is the lowest, and a four-hundredth of all: the live crown begins with the limbs'.
-    let limbs_at = 1.0 + 3.0 * ops::cos(80.0_f32.to_radians());
+    // The leaf at 1 m is the lowest, and a four-hundredth of all: the live crown begins with the limbs'. A leaf is where
+    // its middle is.
+    let along = |degrees: f32| ops::cos(degrees.to_radians());
+    let half = 0.5 * Species::default().leaf_reach_m();
     close(form.crown_base_m, 1.0);
-    close(form.live_crown_base_m, limbs_at);
-    // Ten layers between leaves at 1 and 4 m; the limbs' tips are in the second.
-    close(form.widest_height_m, 1.45);
+    close(form.live_crown_base_m, 1.0 + (3.0 + half) * along(80.0));
+    // Ten layers between the leaves of the foot and of the trunk's top; the limbs' are in the second.
+    let (low, high) = (1.0 + 0.1 * half, 4.0 + half);
+    close(form.widest_height_m, low + 0.15 * (high - low));
     close(form.drooping_share, 1.0 / 7.5);
     assert_eq!(form.by_order, [2, 3, 1, 0, 0]);
 }

@@ -372,6 +372,16 @@ impl Grow {
             grouped(form.leaves),
             grouped(form.organs),
         ));
+        say(format_args!(
+            "Trunk {:.2} m thick at breast height, live crown from {:.1} m, widest at {:.1} m; {:.1} m2 of leaves, \
+             {:.0} % of side axes droop; internodes of order 0 to 4 and above: {}.",
+            form.breast_diameter_m,
+            form.live_crown_base_m,
+            form.widest_height_m,
+            form.leaf_area_m2,
+            100.0 * form.drooping_share,
+            form.by_order.map(grouped).join(" "),
+        ));
         match likeness {
             Some(Likeness::Same { upto }) if upto == run.steps => say("The same tree, bit for bit."),
             Some(Likeness::Same { upto }) => {

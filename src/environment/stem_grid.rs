@@ -1,8 +1,8 @@
 //! A grid of space that finds the stems near a place.
 
-use std::collections::HashMap;
-
 use bevy::math::{IVec3, Vec3};
+use bevy::platform::collections::HashMap;
+use smallvec::SmallVec;
 
 /// Stems in the cells of a grid that they pass; found in the order in which they came.
 #[derive(Debug, Clone)]
@@ -10,13 +10,13 @@ pub struct StemGrid<S> {
     cell: f32,
     stems: Vec<S>,
     /// Only ever asked for a cell, never walked: its order does not matter.
-    cells: HashMap<IVec3, Vec<u32>>,
+    cells: HashMap<IVec3, SmallVec<[u32; 4]>>,
 }
 
 impl<S> StemGrid<S> {
     /// An empty grid with cells of that side, metres: about as long as its stems.
     pub fn new(cell: f32) -> Self {
-        Self { cell, stems: Vec::new(), cells: HashMap::new() }
+        Self { cell, stems: Vec::new(), cells: HashMap::default() }
     }
 
     /// Adds a stem that reaches from one place to another with some radius, metres.
@@ -32,7 +32,7 @@ impl<S> StemGrid<S> {
     /// Stems whose bounds may meet the box between two corners; one that passes several cells comes as often.
     pub fn near(&self, low: Vec3, high: Vec3) -> impl Iterator<Item = &S> {
         self.cells(low, high)
-            .flat_map(|cell| self.cells.get(&cell).map_or(&[][..], Vec::as_slice))
+            .flat_map(|cell| self.cells.get(&cell).map_or(&[][..], SmallVec::as_slice))
             .map(|&index| &self.stems[index as usize])
     }
 

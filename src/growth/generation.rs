@@ -108,7 +108,7 @@ pub(super) fn first_shoot_cost(species: &crate::species::Species) -> f32 {
     match species.allocation {
         crate::species::Allocation::ByExposure => species.extension_m * species.shoot_cost,
         crate::species::Allocation::ByVigour => {
-            super::vigour::internode_cost(species) * species.seedling_vigour.max(1.0).floor()
+            super::vigour::internode_cost(species) * species.seedling_internodes.max(1.0).floor()
         }
     }
 }

@@ -203,7 +203,7 @@ pub fn share_surplus(
                     NO_PARENT => NO_PARENT,
                     parent => place[parent as usize],
                 });
-                let vigours = vigours(mine, parents, energy, store.stored, age, species);
+                let vigours = vigours(mine, parents, energy, age, species);
                 let chance = |member: &Member| {
                     let lineage = identities.get(roster.entity[member.organ as usize]).ok()?.lineage;
                     let mut stream = chance::stream(plant.seed, lineage, step.0, Purpose::Rounding);
@@ -262,7 +262,6 @@ fn vigours(
     mine: &[Member],
     parents: impl Iterator<Item = u32>,
     energy: f64,
-    stored: f64,
     age: u32,
     species: &Species,
 ) -> Vec<f32> {
@@ -286,10 +285,7 @@ fn vigours(
         })
         .collect();
     let unit = f64::from(vigour::internode_cost(species));
-    let mut budget = energy * f64::from(1.0 - species.wood_share) / unit;
-    if age < species.seedling_steps {
-        budget = budget.max(f64::from(species.seedling_vigour)).min(stored / unit);
-    }
+    let budget = energy * f64::from(1.0 - species.wood_share) / unit;
     let control = |order: u32| {
         let young = species.apical_control.get(order);
         let least = species.apical_control_least.min(young);

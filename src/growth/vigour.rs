@@ -48,28 +48,37 @@ pub fn acrotony(species: &Species, rank: f32) -> f32 {
     species.acrotony_base + (1.0 - species.acrotony_base) * ops::powf(nearness, species.acrotony_power)
 }
 
-/// What height leaves of a bud's growth: 1 on the ground, 0 where water no longer rises.
+/// What the highest buds keep of their growth: they live on by short shoots.
+const LEFT_AT_LIMIT: f32 = 0.05;
+
+/// What height leaves of a bud's growth: 1 on the ground, a twentieth where water hardly rises any more.
 pub fn height_factor(species: &Species, height: f32) -> f32 {
     if species.height_limit_m <= 0.0 {
         return 1.0;
     }
     let share = (height / species.height_limit_m).clamp(0.0, 1.0);
-    1.0 - ops::powf(share, species.height_limit_power)
+    (1.0 - ops::powf(share, species.height_limit_power)).max(LEFT_AT_LIMIT)
 }
 
 /// Energy a bud is given for its vigour (in internodes): 1 and more makes a long shoot of a whole number of
 /// internodes and at most `most`, rounded by `chance` (0..1); less, a short shoot; below the species' least, nothing.
+/// Where height leaves `most` of less than one internode, short shoots take the place of long ones, of all below a half:
+/// a tree that has reached its height renews its leaves and grows no more.
 pub fn shoot_cost(species: &Species, vigour: f32, most: f32, chance: f32) -> f32 {
-    let vigour = vigour.min(most);
-    if vigour >= 1.0 {
-        let whole = vigour.floor();
-        let whole = if chance < vigour - whole { whole + 1.0 } else { whole };
-        whole * internode_cost(species)
-    } else if vigour >= species.vigour_short && vigour > 0.0 {
-        short_shoot_cost(species)
-    } else {
-        0.0
+    if most <= 0.0 || vigour <= 0.0 || vigour < species.vigour_short {
+        return 0.0;
     }
+    let long = vigour.min(most);
+    let whole = if vigour < 1.0 {
+        0.0
+    } else if long < 1.0 {
+        if chance < 2.0 * long - 1.0 { 1.0 } else { 0.0 }
+    } else if chance < long - long.floor() {
+        long.floor() + 1.0
+    } else {
+        long.floor()
+    };
+    if whole > 0.0 { whole * internode_cost(species) } else { short_shoot_cost(species) }
 }
 
 /// Passes in which the part of buds too weak to grow is shared again, at most.
@@ -202,6 +211,29 @@ mod tests {
         let vigour = flow(&fork(SinkKind::Spent), 10.0, |_| 0.2);
         assert_eq!(vigour[1], 10.0);
         assert_eq!(vigour[2], 0.0);
+    }
+
+    #[test]
+    fn a_shoot_is_as_long_as_its_vigour_and_its_flush_allow() {
+        let species = Species { vigour_short: 0.25, ..Species::default() };
+        let long = |whole: f32| whole * internode_cost(&species);
+        let short = short_shoot_cost(&species);
+        for (vigour, most, chance, cost) in [
+            (3.4, 9.0, 0.3, long(4.0)),
+            (3.4, 9.0, 0.5, long(3.0)),
+            (3.4, 2.0, 0.3, long(2.0)),
+            (0.9, 9.0, 0.0, short),
+            (0.2, 9.0, 0.0, 0.0),
+            // Near the height at which water ends, a flush of one internode is now and then a short shoot.
+            (3.4, 0.9, 0.7, long(1.0)),
+            (3.4, 0.9, 0.9, short),
+            (3.4, 0.5, 0.0, short),
+            (3.4, 0.1, 0.0, short),
+            (3.4, 0.0, 0.0, 0.0),
+        ] {
+            let got = shoot_cost(&species, vigour, most, chance);
+            assert_eq!(got, cost, "vigour {vigour}, at most {most}, chance {chance}");
+        }
     }
 
     #[test]

@@ -31,9 +31,10 @@ pub struct Form {
     /// Diameter at breast height, 1.3 m above the plant's base, of the thickest stem there, metres; 0 if none reaches
     /// it.
     pub breast_diameter_m: f32,
-    /// Height above which 95 % of the leaf area is, metres: the base of the live crown.
+    /// Height above which 95 % of the leaf area is, metres, each leaf where its middle is: the base of the live crown.
     pub live_crown_base_m: f32,
-    /// Height at which the crown is widest, metres: of ten even layers of leaves, the middle of the widest.
+    /// Height at which the crown is widest, metres: of ten even layers of leaves, the middle of that which reaches
+    /// farthest out, its outermost tenth and stray boughs aside.
     pub widest_height_m: f32,
     /// Share of the length of side axes that points below the level, 0..1.
     pub drooping_share: f32,
@@ -97,10 +98,11 @@ impl Form {
                     form.leaves += 1;
                     form.leaf_area_m2 += f64::from(leaf.size * record.species.leaf_area());
                     light += f64::from(snapshot.exposure[i].light);
-                    let at = pose.position - record.position;
-                    lowest_leaf = lowest_leaf.min(at.y);
-                    crown.push((at, leaf.size * record.species.leaf_area()));
-                    (pose.tip(record.species.leaf_reach_m() * leaf.size.max(0.0).sqrt()), 0.0)
+                    let reach = record.species.leaf_reach_m() * leaf.size.max(0.0).sqrt();
+                    lowest_leaf = lowest_leaf.min(pose.position.y - record.position.y);
+                    let middle = pose.tip(0.5 * reach) - record.position;
+                    crown.push((middle, leaf.size * record.species.leaf_area()));
+                    (pose.tip(reach), 0.0)
                 }
             };
             let girth = Vec3::new(girth, 0.0, girth);
@@ -137,19 +139,31 @@ fn live_crown_base(crown: &[(Vec3, f32)]) -> f32 {
     base.map_or(0.0, |(at, _)| at.y)
 }
 
-/// Middle of the widest of ten even layers of leaves; of places and areas, lowest first.
+/// Middle of the widest of ten even layers of leaves; of places and areas, lowest first. A layer reaches as far from the
+/// crown's middle as nine tenths of its area; one of less than a fiftieth of the whole, a stray bough, does not count.
 fn widest_height(crown: &[(Vec3, f32)]) -> f32 {
     const LAYERS: usize = 10;
     let (Some((low, _)), Some((high, _))) = (crown.first(), crown.last()) else { return 0.0 };
     let deep = ((high.y - low.y) / LAYERS as f32).max(f32::MIN_POSITIVE);
-    // Extent along x and z of each layer.
-    let mut layers = [(Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY)); LAYERS];
-    for (at, _) in crown {
-        let (least, most) = &mut layers[(((at.y - low.y) / deep) as usize).min(LAYERS - 1)];
-        (*least, *most) = (least.min(at.xz()), most.max(at.xz()));
+    let whole: f32 = crown.iter().map(|(_, area)| area).sum();
+    let middle = crown.iter().map(|(at, area)| at.xz() * *area).sum::<Vec2>() / whole.max(f32::MIN_POSITIVE);
+    let mut layers: [Vec<(f32, f32)>; LAYERS] = Default::default();
+    for (at, area) in crown {
+        let layer = (((at.y - low.y) / deep) as usize).min(LAYERS - 1);
+        layers[layer].push((at.xz().distance(middle), *area));
     }
-    let width = |layer: usize| (layers[layer].1 - layers[layer].0).element_sum();
-    let widest = (0..LAYERS).max_by(|&a, &b| width(a).total_cmp(&width(b))).unwrap_or(0);
+    let reach = |layer: &mut Vec<(f32, f32)>| {
+        layer.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let area: f32 = layer.iter().map(|(_, area)| area).sum();
+        let mut within = 0.0;
+        let outer = layer.iter().find(|(_, area_here)| {
+            within += area_here;
+            within >= 0.9 * area
+        });
+        outer.filter(|_| area >= 0.02 * whole).map_or(0.0, |(distance, _)| *distance)
+    };
+    let reaches = layers.each_mut().map(reach);
+    let widest = (0..LAYERS).max_by(|&a, &b| reaches[a].total_cmp(&reaches[b])).unwrap_or(0);
     low.y + (widest as f32 + 0.5) * deep
 }
 

@@ -1,12 +1,14 @@
 //! Measures of grown plants that the papers' claims are put to.
 
+mod contact;
+
 use bevy::prelude::*;
 
+pub use contact::{collisions, tangles};
+
 use crate::environment::obstacles::touches;
-use crate::environment::segment;
 use crate::environment::{SolidShape, StandingSolid};
 use crate::plant::{NO_PARENT, OrganKind, OrganState, Snapshot};
-use crate::species::Species;
 
 /// The mean; 0 of nothing.
 pub fn mean(values: &[f64]) -> f64 {
@@ -87,96 +89,6 @@ impl Favour {
     pub fn mean(self) -> f64 {
         if self.buds > 0.0 { self.sum / self.buds } else { 0.0 }
     }
-}
-
-/// A stem segment to be tested against others.
-struct Stem {
-    from: Vec3,
-    to: Vec3,
-    radius: f32,
-    low: Vec3,
-    high: Vec3,
-    index: u32,
-    parent: u32,
-}
-
-/// Pairs of internodes that run into each other although they do not meet at a node (`LK-17`).
-pub fn collisions(shot: &Snapshot) -> usize {
-    meetings(shot, f32::MAX, |_, _| true)
-}
-
-/// Pairs of internodes of two axes that run through each other, each taken no thicker than it began, and farther than
-/// three node spacings apart along the wood: what has grown together since is no tangle, nor are the shoots of one
-/// fork.
-pub fn tangles(shot: &Snapshot) -> usize {
-    // For every organ, the first stem of the axis it belongs to.
-    let mut axis: Vec<u32> = (0..shot.len() as u32).collect();
-    for i in 0..shot.len() {
-        let parent = shot.parent[i];
-        if parent != NO_PARENT && shot.order[parent as usize] == shot.order[i] {
-            axis[i] = axis[parent as usize];
-        }
-    }
-    let most = |of: fn(&Species) -> f32| {
-        shot.plants.iter().flatten().map(|plant| of(&plant.species)).fold(0.0, f32::max)
-    };
-    let (twig, near) = (most(|species| species.twig_radius_m), 3.0 * most(|species| species.node_spacing_m));
-    meetings(shot, twig, |a, b| axis[a as usize] != axis[b as usize] && way_between(shot, a, b, near) > near)
-}
-
-/// Length of wood between two stems, metres, through what both grow from, as far as it is no longer than `most`.
-fn way_between(shot: &Snapshot, a: u32, b: u32, most: f32) -> f32 {
-    let (mut a, mut b, mut way) = (a, b, 0.0);
-    while a != b && way <= most {
-        // Parents come first: the later-born of two is the one farther out.
-        let (farther, other) = if a > b { (&mut a, b) } else { (&mut b, a) };
-        *farther = match shot.parent[*farther as usize] {
-            NO_PARENT => return f32::INFINITY,
-            below => below,
-        };
-        // Neither the stems themselves nor the one both grow from: only what is between them.
-        if *farther != other {
-            way += shot.length(*farther as usize);
-        }
-    }
-    way
-}
-
-/// Pairs of stems that meet elsewhere than at a node, taken no thicker than `most` (metres), of those that count.
-fn meetings(shot: &Snapshot, most: f32, counts: impl Fn(u32, u32) -> bool) -> usize {
-    let mut stems: Vec<Stem> = shot
-        .state
-        .iter()
-        .enumerate()
-        .filter_map(|(i, state)| {
-            let OrganState::Internode(wood, _) = state else { return None };
-            let (from, to) = (shot.pose[i].position, shot.pose[i].tip(wood.length));
-            let girth = Vec3::splat(wood.radius);
-            let (low, high) = (from.min(to) - girth, from.max(to) + girth);
-            Some(Stem {
-                from,
-                to,
-                radius: wood.radius.min(most),
-                low,
-                high,
-                index: i as u32,
-                parent: shot.parent[i],
-            })
-        })
-        .collect();
-    stems.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
-    let mut pairs = 0;
-    for (k, a) in stems.iter().enumerate() {
-        for b in stems[k + 1..].iter().take_while(|b| b.low.x <= a.high.x) {
-            let meet_at_node = a.parent == b.parent || a.parent == b.index || b.parent == a.index;
-            let apart = a.low.cmpgt(b.high).any() || b.low.cmpgt(a.high).any();
-            let far = meet_at_node || apart || !counts(a.index, b.index);
-            if !far && segment::gap((a.from, a.to), (b.from, b.to)) < a.radius + b.radius {
-                pairs += 1;
-            }
-        }
-    }
-    pairs
 }
 
 /// Mean distance of the leaves from the nearest of the solids, metres; 0 without leaves or solids.
