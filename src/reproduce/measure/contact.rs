@@ -15,7 +15,7 @@ pub fn collisions(shot: &Snapshot) -> usize {
 
 /// Pairs of internodes of two axes that run through each other: as twigs where they grew, if they are farther than three
 /// node spacings apart along the wood; and where one's middle lies in the wood of the other, as thick as it has become,
-/// unless it has [grown together](grown_together) with it.
+/// unless both have grown together from a node or a swallowed foot on.
 pub fn tangles(shot: &Snapshot) -> usize {
     let axis = axes(shot);
     let most = |of: fn(&Species) -> f32| {
