@@ -130,7 +130,7 @@ fn a_birch_on_poor_ground_lives_two_thousand_years_at_balance() {
     let mut resolved = Library::embedded().alone("silver_birch").unwrap();
     resolved.scenario.sensing.leaf_face = 2;
     resolved.scenario.sensing.bud_face = 2;
-    resolved.species.get_mut("silver_birch").unwrap().leaf_income *= 0.45;
+    resolved.species.get_mut("silver_birch").unwrap().leaf_income *= 0.5;
     let mut garden = garden(resolved, 2);
     let empty = garden.world().entities().count_spawned();
     let [young, old] = long_life(&mut garden, |_, _| ());

@@ -87,10 +87,10 @@ fn acrotony_mesotony_and_basitony_favour_tip_middle_and_base() {
 }
 
 #[test]
-fn growth_fades_towards_the_height_where_water_hardly_rises() {
+fn growth_fades_towards_the_height_where_water_no_longer_rises() {
     let species = Species { height_limit_m: 10.0, height_limit_power: 2.0, ..plain() };
     let [low, middle, top, above] = [0.0, 5.0, 10.0, 30.0].map(|h| vigour::height_factor(&species, h));
-    assert_eq!((low, middle, top, above), (1.0, 0.75, 0.05, 0.05));
+    assert_eq!((low, middle, top, above), (1.0, 0.75, 0.0, 0.0));
     assert_eq!(vigour::height_factor(&plain(), 1.0e4), 1.0, "off");
 }
 
@@ -259,7 +259,7 @@ fn share_surplus_heeds_favour_and_height() {
     nursery.run(share::share_surplus);
     let got = |bud| nursery.get::<Allotment>(bud).0 / unit;
     assert!((got(favoured) / got(plain_bud) - 2.0).abs() < 0.2, "{} {}", got(favoured), got(plain_bud));
-    assert!(got(top) < 0.3, "little rises there: {}", got(top));
+    assert!(got(top) < 0.3, "nothing rises there: {}", got(top));
 }
 
 #[test]

@@ -48,36 +48,30 @@ pub fn acrotony(species: &Species, rank: f32) -> f32 {
     species.acrotony_base + (1.0 - species.acrotony_base) * ops::powf(nearness, species.acrotony_power)
 }
 
-/// What the highest buds keep of their growth: they live on by short shoots.
-const LEFT_AT_LIMIT: f32 = 0.05;
-
-/// What height leaves of a bud's growth: 1 on the ground, a twentieth where water hardly rises any more.
+/// What height leaves of a bud's growth: 1 on the ground, 0 where water no longer rises.
 pub fn height_factor(species: &Species, height: f32) -> f32 {
     if species.height_limit_m <= 0.0 {
         return 1.0;
     }
     let share = (height / species.height_limit_m).clamp(0.0, 1.0);
-    (1.0 - ops::powf(share, species.height_limit_power)).max(LEFT_AT_LIMIT)
+    1.0 - ops::powf(share, species.height_limit_power)
 }
 
 /// Energy a bud is given for its vigour (in internodes): 1 and more makes a long shoot of a whole number of
 /// internodes and at most `most`, rounded by `chance` (0..1); less, a short shoot; below the species' least, nothing.
 /// Where height leaves `most` of less than one internode, short shoots take the place of long ones, of all below a half:
-/// a tree that has reached its height renews its leaves and grows no more.
+/// near its height a tree renews its leaves and hardly grows.
 pub fn shoot_cost(species: &Species, vigour: f32, most: f32, chance: f32) -> f32 {
     if most <= 0.0 || vigour <= 0.0 || vigour < species.vigour_short {
         return 0.0;
     }
     let long = vigour.min(most);
-    let whole = if vigour < 1.0 {
-        0.0
-    } else if long < 1.0 {
-        if chance < 2.0 * long - 1.0 { 1.0 } else { 0.0 }
-    } else if chance < long - long.floor() {
-        long.floor() + 1.0
-    } else {
-        long.floor()
+    let (least, more) = match vigour {
+        weak if weak < 1.0 => (0.0, 0.0),
+        _ if long < 1.0 => (0.0, 2.0 * long - 1.0),
+        _ => (long.floor(), long.fract()),
     };
+    let whole = if chance < more { least + 1.0 } else { least };
     if whole > 0.0 { whole * internode_cost(species) } else { short_shoot_cost(species) }
 }
 

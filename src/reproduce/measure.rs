@@ -4,7 +4,7 @@ mod contact;
 
 use bevy::prelude::*;
 
-pub use contact::{collisions, tangles};
+pub use contact::{Tangles, collisions, tangles};
 
 use crate::environment::obstacles::touches;
 use crate::environment::{SolidShape, StandingSolid};

@@ -1,10 +1,11 @@
-// Heights, widths and diameters: field knowledge, to a third either way; sources in the species' files. Crown bases: of
-// oak, birch, spruce, pine and beech Hasenauer 2000 for eighty years in the open, the others field knowledge; from 0.15 of
-// the height below to a fifth above. Drooping shares by the angles of branches: 100 to 180 degrees in birch, spruce and
-// willow, below 45 in poplar, hazel and candelabra tree. Leaves over the crown's area on the ground: oak 5, birch and pine
-// 3, beech 7, to a half either way; spruce up to 10.5 (Picea abies of 152 years); broadleaved trees of which nothing is
-// known 2 to 7, the mean of all; not asked of columns, and of the willow, whose twigs stand for many. Where a crown is
-// widest is known of full-grown trees alone.
+// Heights, widths and diameters: field knowledge, to a third either way; sources in the species' files. Crown bases:
+// of oak, birch, spruce, pine and beech Hasenauer 2000 for eighty years in the open, the others field knowledge; from
+// 0.15 of the height below, as of younger crowns, to a fifth above. Drooping shares by the angles of branches: 100 to
+// 180 degrees in birch, spruce and willow, below 45 in poplar, hazel and candelabra tree. Leaves over the crown's area
+// on the ground: oak 5, birch and pine 3, beech 7, to a third either way, to a half for the pine, whose crown is thin
+// here; spruce up to 10.5 (Picea abies of 152 years); broadleaved trees of which nothing is known 2 to 7, the mean of
+// all; not asked of columns, and of the willow, whose twigs stand for many. Where a crown is widest is known of full-
+// grown trees alone.
 
 /// A figure, to a third either way.
 fn third(figure: f64) -> Option<(f64, f64)> {
@@ -27,15 +28,15 @@ fn figures_at_thirty() -> Vec<Figures> {
     const HANGS: Option<(f64, f64)> = Some((0.5, 1.0));
     const BROADLEAVED: Option<(f64, f64)> = Some((2.0, 7.0));
     [
-        ("oak", 11.0, [8.0, 9.9], 0.28, 0.15, EITHER, half(5.0)),
-        ("silver_birch", 15.0, [7.0, 7.5], 0.25, 0.24, HANGS, half(3.0)),
+        ("oak", 11.0, [8.0, 9.9], 0.28, 0.15, EITHER, third(5.0)),
+        ("silver_birch", 15.0, [7.0, 7.5], 0.25, 0.24, HANGS, third(3.0)),
         ("norway_spruce", 13.0, [6.0, 4.6], 0.25, 0.11, HANGS, Some((5.0, 10.5))),
         ("scots_pine", 11.0, [6.0, 6.1], 0.25, 0.36, EITHER, half(3.0)),
         ("lombardy_poplar", 22.0, [3.0, 4.0], 0.45, 0.05, RISES, None),
         ("weeping_willow", 13.0, [14.0, 13.7], 0.65, 0.15, HANGS, None),
         ("japanese_maple", 5.0, [5.5, 5.5], 0.13, 0.15, EITHER, BROADLEAVED),
         ("umbrella_acacia", 5.0, [8.0, 8.0], 0.13, 0.5, EITHER, BROADLEAVED),
-        ("beech", 12.0, [9.0, 10.2], 0.25, 0.06, EITHER, half(7.0)),
+        ("beech", 12.0, [9.0, 10.2], 0.25, 0.06, EITHER, third(7.0)),
         ("apple", 6.5, [7.0, 7.2], 0.25, 0.2, EITHER, BROADLEAVED),
         ("hazel", 5.5, [5.5, 5.5], 0.09, 0.15, RISES, BROADLEAVED),
         ("palm", 16.0, [8.0, 8.0], 0.3, 0.8, None, None),

@@ -53,8 +53,7 @@ fn measured(years: u32, known: &[Known], figures: &[Figures]) {
     let mut wrong = Vec::new();
     for species in known {
         let forms = forms(species.name, years);
-        let figures = figures.iter().find(|figures| figures.name == species.name);
-        let bands = figures.map_or([None; MEASURES.len()], |figures| figures.bands);
+        let bands = figures.iter().find(|figures| figures.name == species.name).unwrap().bands;
         let mut row = format!("{:16}", species.name);
         for (((what, of), (low, high)), band) in MEASURES.iter().zip(species.ranges).zip(bands) {
             let values: Vec<f64> = forms.iter().map(of).collect();
@@ -99,6 +98,26 @@ fn every_species_has_ranges_and_figures_at_both_ages() {
     }
 }
 
+/// What five seeds measure and what is known of real ones meet, at thirty years too, where the trees themselves are grown
+/// in release alone.
+#[test]
+fn ranges_meet_what_real_trees_measure() {
+    for (known, figures) in [(&AT_TEN, figures_at_ten()), (&AT_THIRTY, figures_at_thirty())] {
+        for (species, figures) in known.iter().zip(figures) {
+            assert_eq!(species.name, figures.name);
+            for (((what, _), (low, high)), band) in MEASURES.iter().zip(species.ranges).zip(figures.bands) {
+                let Some((least, most)) = band else { continue };
+                let middle = 0.5 * (low + high);
+                assert!(
+                    (least..=most).contains(&middle),
+                    "{} {what}: {low} to {high}, real ones {least:.2} to {most:.2}",
+                    species.name
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn no_two_species_share_all_ranges() {
     for (i, a) in AT_THIRTY.iter().enumerate() {
@@ -109,20 +128,20 @@ fn no_two_species_share_all_ranges() {
     }
 }
 
-/// Asserts that no more pairs than `most` of a thousand internodes run through each other, in the middle of three seeds of
-/// any species, nor twice as many in any of them.
-fn untangled(years: u32, most: f64) {
+/// Asserts that no more pairs than `most` of a thousand internodes run through each other, nor as twigs alone more than
+/// `of_twigs`, in three seeds of any species.
+fn untangled(years: u32, of_twigs: f64, most: f64) {
     let mut tangled = Vec::new();
     for name in trees() {
         let resolved = alone(&name);
         let steps = years * resolved.species[&name].steps_per_year;
         let each_thousand = over_seeds(1..4, |seed| {
             let shot = last(resolved.clone(), seed, steps);
-            1000.0 * tangles(&shot) as f64 / f64::from(Form::of(&shot, None).internodes.max(1))
+            let (tangles, stems) = (tangles(&shot), Form::of(&shot, None).internodes.max(1));
+            [tangles.of_twigs, tangles.all()].map(|pairs| 1000.0 * pairs as f64 / f64::from(stems))
         });
-        println!("{name}: {each_thousand:.1?} tangles a thousand internodes");
-        let worst = each_thousand.iter().copied().fold(0.0, f64::max);
-        if median(each_thousand.clone()) > most || worst > 2.0 * most {
+        println!("{name}, of twigs and all, a thousand internodes: {each_thousand:.1?}");
+        if each_thousand.iter().any(|[twigs, all]| *twigs > of_twigs || *all > most) {
             tangled.push((name, each_thousand));
         }
     }
@@ -131,13 +150,13 @@ fn untangled(years: u32, most: f64) {
 
 #[test]
 fn branches_of_one_tree_do_not_run_through_each_other() {
-    untangled(12, 5.0);
+    untangled(11, 1.0, 4.0);
 }
 
 #[cfg(not(debug_assertions))]
 #[test]
 fn nor_do_those_of_old_trees_but_for_a_few_in_a_thousand() {
-    untangled(30, 6.0);
+    untangled(30, 6.0, 6.0);
 }
 
 /// Height (m) and leaf area (m2) of a species at 17 years on ground of some richness, with what wood costs and without.
@@ -159,12 +178,21 @@ fn held_and_free(name: &str, richness: f32) -> Vec<[(f64, f64); 2]> {
 
 #[test]
 fn what_wood_costs_holds_a_tree_back() {
-    // On rich ground the leader of a poplar or a birch grows its whole flush with or without it.
-    for (name, held_on) in [("oak", 1.0), ("lombardy_poplar", 0.6), ("silver_birch", 0.7)] {
+    // On rich ground the leader of a poplar or a birch grows its whole flush with or without it; a maple's height is that
+    // of its forks.
+    for (name, held_on) in [
+        ("oak", Some(1.0)),
+        ("lombardy_poplar", Some(0.7)),
+        ("silver_birch", Some(0.7)),
+        ("japanese_maple", None),
+    ] {
         let rich = held_and_free(name, 1.0);
-        let leaf_area = |which: usize| median(rich.iter().map(|both| both[which].1).collect());
-        assert!(1.2 * leaf_area(0) < leaf_area(1), "{name}: leaf area {rich:?}");
-        let all = if held_on < 1.0 { held_and_free(name, held_on) } else { rich };
+        assert!(rich.iter().all(|[held, free]| 1.2 * held.1 < free.1), "{name}: leaf area {rich:?}");
+        let all = match held_on {
+            Some(1.0) => rich,
+            Some(poor) => held_and_free(name, poor),
+            None => continue,
+        };
         assert!(all.iter().all(|[held, free]| 1.08 * held.0 < free.0), "{name}: height {all:?}");
     }
 }
@@ -191,7 +219,7 @@ fn trees_that_do_not_avoid_wood_tangle() {
     heedless.species.values_mut().for_each(|species| species.avoids_wood = false);
     let of = |resolved| tangles(&last(resolved, 1, 17));
     let (heedless, heeding) = (of(heedless), of(alone("umbrella_acacia")));
-    assert!(4 * heeding < heedless && heedless > 10, "{heeding} and {heedless}");
+    assert!(heeding.of_twigs == 0 && heedless.of_twigs > 10, "{heeding:?} and {heedless:?}");
 }
 
 /// Crown width of an open-grown tree by its diameter at breast height (cm): `ln CW = a + b ln D`, Hasenauer 1997; and

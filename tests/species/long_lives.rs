@@ -24,10 +24,10 @@ const POOR_SHADE: f32 = 0.8;
 /// curtain hangs within any block.
 fn poor_ground(name: &str) -> Option<f32> {
     match name {
-        "norway_spruce" => Some(0.2),
+        "norway_spruce" => Some(0.16),
         "scots_pine" => Some(0.4),
         "silver_birch" => Some(0.6),
-        "japanese_maple" => Some(0.32),
+        "japanese_maple" => Some(0.33),
         "candelabra" => Some(0.5),
         "weeping_willow" => Some(0.46),
         _ => None,

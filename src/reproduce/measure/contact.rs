@@ -13,10 +13,25 @@ pub fn collisions(shot: &Snapshot) -> usize {
     meetings(&stems).filter(|&(a, b)| !meet_at_node(&stems[a], &stems[b])).count()
 }
 
-/// Pairs of internodes of two axes that run through each other: as twigs where they grew, if they are farther than three
-/// node spacings apart along the wood; and where one's middle lies in the wood of the other, as thick as it has become,
-/// unless both have grown together from a node or a swallowed foot on.
-pub fn tangles(shot: &Snapshot) -> usize {
+/// Pairs of internodes of two axes that run through each other, by what they do it as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Tangles {
+    /// As twigs: each taken no thicker than it began, and farther than three node spacings apart along the wood.
+    pub of_twigs: usize,
+    /// As wood alone: the middle of one lies in the other, as thick as it has become, and they have not grown together
+    /// from a node or a swallowed foot on.
+    pub of_wood: usize,
+}
+
+impl Tangles {
+    /// All of them.
+    pub fn all(self) -> usize {
+        self.of_twigs + self.of_wood
+    }
+}
+
+/// Counts the pairs of internodes that run through each other.
+pub fn tangles(shot: &Snapshot) -> Tangles {
     let axis = axes(shot);
     let most = |of: fn(&Species) -> f32| {
         shot.plants.iter().flatten().map(|plant| of(&plant.species)).fold(0.0, f32::max)
@@ -25,17 +40,20 @@ pub fn tangles(shot: &Snapshot) -> usize {
     let stems = stems(shot);
     let met: Vec<(usize, usize)> = meetings(&stems).collect();
     let together = grown_together(shot, &stems, &met, &axis);
-    let tangled = |&&(a, b): &&(usize, usize)| {
-        let (a, b) = (&stems[a], &stems[b]);
+    let mut tangles = Tangles::default();
+    for (a, b) in met.into_iter().map(|(a, b)| (&stems[a], &stems[b])) {
         if axis[a.index as usize] == axis[b.index as usize] || meet_at_node(a, b) {
-            return false;
+            continue;
         }
         let gap = a.gap(b);
         let as_twigs = gap < a.radius.min(twig) + b.radius.min(twig);
-        (as_twigs && way_between(shot, a.index, b.index, near) > near)
-            || (gap < a.radius.max(b.radius) && !together.contains(&pair(a.index, b.index)))
-    };
-    met.iter().filter(tangled).count()
+        if as_twigs && way_between(shot, a.index, b.index, near) > near {
+            tangles.of_twigs += 1;
+        } else if gap < a.radius.max(b.radius) && !together.contains(&pair(a.index, b.index)) {
+            tangles.of_wood += 1;
+        }
+    }
+    tangles
 }
 
 /// A stem segment.
