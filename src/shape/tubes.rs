@@ -173,7 +173,7 @@ pub(super) fn lay_rings(snapshot: &Snapshot, axes: &Axes, start: u32, rings: &mu
     }
 }
 
-/// Gives an upright trunk the swollen base on which trees stand.
+/// Gives an upright trunk the swollen base on which trees stand, flat on the ground however it leans.
 fn swell(rings: &mut Vec<Ring>) {
     let upright = |base: &Ring| base.direction.y > 0.7 && base.radius > 0.0;
     let Some(base) = rings.first().copied().filter(upright) else { return };
@@ -186,7 +186,10 @@ fn swell(rings: &mut Vec<Ring>) {
         }
     }
     for ring in rings {
-        ring.radius *= 1.0 + SWELLING * ops::exp(-ring.along / (SWELLING_HEIGHT * base.radius));
+        let foot = ops::exp(-ring.along / (SWELLING_HEIGHT * base.radius));
+        ring.radius *= 1.0 + SWELLING * foot;
+        // Flat rings reach twice as high, so that those of a slanting trunk do not run through each other.
+        ring.direction = ring.direction.lerp(Vec3::Y, foot.sqrt()).normalize_or(Vec3::Y);
     }
 }
 
@@ -315,6 +318,16 @@ mod tests {
         assert!(rings.is_sorted_by(|a, b| a.along < b.along && a.radius > b.radius), "{rings:?}");
         assert!((rings[0].radius - 0.36).abs() < 1e-6);
         assert!(rings[rings.len() - 1].radius < 0.2001, "the stem above is as it was");
+        let leaning = Vec3::new(0.6, 0.8, 0.0);
+        let mut rings: Vec<_> =
+            [0.0, 0.2, 1.0, 3.0].map(|along| ring(leaning * along, leaning, 0.2, along)).into();
+        swell(&mut rings);
+        assert_eq!(rings[0].direction, Vec3::Y, "no side of it rises out of the ground");
+        assert!(rings.is_sorted_by(|a, b| a.direction.y > b.direction.y), "{rings:?}");
+        assert!((rings[rings.len() - 1].direction - leaning).length() < 1e-3);
+        // Rings of the foot do not run through each other.
+        let lows = |r: &Ring| r.center.y - r.radius * r.direction.x;
+        assert!(rings.is_sorted_by(|a, b| lows(a) < lows(b)), "{rings:?}");
         swell(&mut root);
         assert!(root.len() == 4 && root.iter().all(|r| r.radius == 0.2));
     }
