@@ -370,9 +370,8 @@ fn form_measures_the_crown_as_a_forester_would() {
     let half = 0.5 * Species::default().leaf_reach_m();
     close(form.crown_base_m, 1.0);
     close(form.live_crown_base_m, 1.0 + (3.0 + half) * along(80.0));
-    // Ten layers between the leaves of the foot and of the trunk's top; the limbs' are in the second.
-    let (low, high) = (1.0 + 0.1 * half, 4.0 + half);
-    close(form.widest_height_m, low + 0.15 * (high - low));
+    // One of the limbs' two leaves is a quarter of all, and the outermost.
+    close(form.widest_height_m, 1.0 + (3.0 + half) * along(80.0));
     close(form.drooping_share, 1.0 / 7.5);
     assert_eq!(form.by_order, [2, 3, 1, 0, 0]);
 }

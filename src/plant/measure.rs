@@ -33,8 +33,8 @@ pub struct Form {
     pub breast_diameter_m: f32,
     /// Height above which 95 % of the leaf area is, metres, each leaf where its middle is: the base of the live crown.
     pub live_crown_base_m: f32,
-    /// Height at which the crown is widest, metres: of ten even layers of leaves, the middle of that which reaches
-    /// farthest out, its outermost tenth and stray boughs aside.
+    /// Height at which the crown is widest, metres: the mean of the tenth of its leaf area that is farthest from its
+    /// middle.
     pub widest_height_m: f32,
     /// Share of the length of side axes that points below the level, 0..1.
     pub drooping_share: f32,
@@ -139,32 +139,22 @@ fn live_crown_base(crown: &[(Vec3, f32)]) -> f32 {
     base.map_or(0.0, |(at, _)| at.y)
 }
 
-/// Middle of the widest of ten even layers of leaves; of places and areas, lowest first. A layer reaches as far from the
-/// crown's middle as nine tenths of its area; one of less than a fiftieth of the whole, a stray bough, does not count.
+/// Mean height of the outermost tenth of the area of leaves, by the distance from the crown's middle; of places and areas.
 fn widest_height(crown: &[(Vec3, f32)]) -> f32 {
-    const LAYERS: usize = 10;
-    let (Some((low, _)), Some((high, _))) = (crown.first(), crown.last()) else { return 0.0 };
-    let deep = ((high.y - low.y) / LAYERS as f32).max(f32::MIN_POSITIVE);
     let whole: f32 = crown.iter().map(|(_, area)| area).sum();
     let middle = crown.iter().map(|(at, area)| at.xz() * *area).sum::<Vec2>() / whole.max(f32::MIN_POSITIVE);
-    let mut layers: [Vec<(f32, f32)>; LAYERS] = Default::default();
-    for (at, area) in crown {
-        let layer = (((at.y - low.y) / deep) as usize).min(LAYERS - 1);
-        layers[layer].push((at.xz().distance(middle), *area));
+    let mut outward: Vec<(f32, f32, f32)> =
+        crown.iter().map(|(at, area)| (at.xz().distance(middle), at.y, *area)).collect();
+    outward.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let (mut area, mut heights) = (0.0, 0.0);
+    for (_, height, here) in outward {
+        area += here;
+        heights += here * height;
+        if area >= 0.1 * whole {
+            break;
+        }
     }
-    let reach = |layer: &mut Vec<(f32, f32)>| {
-        layer.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let area: f32 = layer.iter().map(|(_, area)| area).sum();
-        let mut within = 0.0;
-        let outer = layer.iter().find(|(_, area_here)| {
-            within += area_here;
-            within >= 0.9 * area
-        });
-        outer.filter(|_| area >= 0.02 * whole).map_or(0.0, |(distance, _)| *distance)
-    };
-    let reaches = layers.each_mut().map(reach);
-    let widest = (0..LAYERS).max_by(|&a, &b| reaches[a].total_cmp(&reaches[b])).unwrap_or(0);
-    low.y + (widest as f32 + 0.5) * deep
+    heights / area.max(f32::MIN_POSITIVE)
 }
 
 /// Wall-clock seconds a step spent in each stage.
