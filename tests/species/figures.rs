@@ -12,11 +12,6 @@ fn third(figure: f64) -> Option<(f64, f64)> {
     Some((figure * 2.0 / 3.0, figure * 4.0 / 3.0))
 }
 
-/// A figure, to a half either way.
-fn half(figure: f64) -> Option<(f64, f64)> {
-    Some((figure * 0.5, figure * 1.5))
-}
-
 /// A crown's width, metres: the one given, or what the outline of a grown tree makes of its height.
 fn width([given, outlined]: [f64; 2]) -> (f64, f64) {
     (given.min(outlined) * 2.0 / 3.0, given.max(outlined) * 4.0 / 3.0)
@@ -36,7 +31,7 @@ fn figures_at_thirty() -> Vec<Figures> {
         ("oak", 11.0, [8.0, 9.9], 0.28, 0.15, around(0.5), EITHER, third(5.0)),
         ("silver_birch", 15.0, [7.0, 7.5], 0.25, 0.24, around(0.4), HANGS, third(3.0)),
         ("norway_spruce", 13.0, [6.0, 4.6], 0.25, 0.11, around(0.1), HANGS, Some((5.0, 10.5))),
-        ("scots_pine", 11.0, [6.0, 6.1], 0.25, 0.36, Some((0.1, 0.95)), EITHER, half(3.0)),
+        ("scots_pine", 11.0, [6.0, 6.1], 0.25, 0.36, Some((0.1, 0.95)), EITHER, Some((1.5, 4.5))),
         ("lombardy_poplar", 22.0, [3.0, 4.0], 0.45, 0.05, around(0.4), RISES, None),
         ("weeping_willow", 13.0, [14.0, 13.7], 0.65, 0.15, around(0.5), HANGS, None),
         ("japanese_maple", 5.0, [5.5, 5.5], 0.13, 0.15, around(0.6), EITHER, BROADLEAVED),
