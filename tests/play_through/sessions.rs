@@ -21,12 +21,26 @@ fn crash(sessions: &Sessions) -> Snapshot {
     Snapshot::clone(&timeline.now())
 }
 
-fn files(sessions: &Sessions) -> Vec<(String, Vec<u8>)> {
+/// What lies in the folder by now.
+fn paths(sessions: &Sessions) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(sessions.folder()).into_iter().flatten();
-    let read = |path: PathBuf| (path.display().to_string(), std::fs::read(path).unwrap());
-    let mut files: Vec<_> = entries.map(|entry| read(entry.unwrap().path())).collect();
-    files.sort();
-    files
+    let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths
+}
+
+/// Whether the name of a file ends like this.
+fn ends(path: &Path, end: &str) -> bool {
+    path.to_str().unwrap().ends_with(end)
+}
+
+/// Files and what they hold, while nobody writes.
+fn files(sessions: &Sessions) -> Vec<(PathBuf, Vec<u8>)> {
+    let read = |path: PathBuf| {
+        let held = std::fs::read(&path).unwrap();
+        (path, held)
+    };
+    paths(sessions).into_iter().map(read).collect()
 }
 
 #[test]
@@ -85,7 +99,7 @@ fn two_windows_at_once_never_write_the_same_file() {
         person
     });
     let deadline = Instant::now() + LONGEST;
-    while files(&sessions).iter().filter(|(name, _)| name.ends_with(".unfinished.burgeon")).count() < 2 {
+    while paths(&sessions).iter().filter(|path| ends(path, ".unfinished.burgeon")).count() < 2 {
         assert!(Instant::now() < deadline);
     }
     assert_eq!(sessions.kept(), [], "a session that runs is nobody else's");
@@ -95,7 +109,7 @@ fn two_windows_at_once_never_write_the_same_file() {
         sessions.kept().iter().map(|kept| SavedRun::read(&kept.file).unwrap().run.steps).collect();
     steps.sort_unstable();
     assert_eq!(steps, [4, 5]);
-    assert!(files(&sessions).iter().all(|(name, _)| !name.ends_with(".lock")));
+    assert!(paths(&sessions).iter().all(|path| !ends(path, ".lock")));
 }
 
 #[test]
