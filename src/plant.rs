@@ -11,6 +11,7 @@ mod roster;
 mod shed;
 pub mod skeleton;
 mod snapshot;
+pub mod strahler;
 
 pub use check::SnapshotError;
 pub use energy::{EnergyLedger, EnergyStore};

@@ -283,6 +283,8 @@ fn steps_csv_reads_back_exactly() {
         widest_height_m: 7.0,
         drooping_share: 0.75,
         by_order: [9, 10, 11, 12, 13],
+        strahler_order: 15,
+        bifurcation_ratio: 4.5,
         leaf_area_m2: 14.0,
         ..record.form
     };
@@ -312,6 +314,8 @@ fn steps_csv_reads_back_exactly() {
         ("order_0", 9.0),
         ("order_2", 11.0),
         ("order_4_and_above", 13.0),
+        ("strahler_order", 15.0),
+        ("bifurcation_ratio", 4.5),
         ("leaf_area_m2", 14.0),
     ];
     for (name, value) in by_name {
@@ -359,7 +363,8 @@ fn form_measures_the_crown_as_a_forester_would() {
         let leaf = Leaf { size, state: LeafState::Terminated };
         sketch.organ(stem, 1, Quat::IDENTITY, OrganState::Leaf(leaf));
     }
-    let form = Form::of(&sketch.finish(), None);
+    let shot = sketch.finish();
+    let form = Form::of(&shot, None);
     let close = |a: f32, b: f32| assert!((a - b).abs() < 1e-4, "{a} {b}");
     close(form.trunk_diameter_m, 0.2);
     // Limbs cross 1.3 m too; the trunk is thicker there.
@@ -374,6 +379,28 @@ fn form_measures_the_crown_as_a_forester_would() {
     close(form.widest_height_m, 1.0 + (3.0 + half) * along(80.0));
     close(form.drooping_share, 1.0 / 7.5);
     assert_eq!(form.by_order, [2, 3, 1, 0, 0]);
+    // What hangs from the trunk goes on as it, a twig as its limb, and the other limb bears none: three meet at the foot.
+    assert_eq!((form.strahler_order, strahler::branches(&shot, None)), (2, vec![3, 1]));
+    close(form.bifurcation_ratio, 3.0);
+}
+
+#[test]
+fn orders_of_strahler_rise_where_two_of_the_highest_meet() {
+    let mut sketch = Sketch::new(Species::default(), Vec3::ZERO);
+    let mut stem = |parent, order| sketch.stem(parent, order, Quat::IDENTITY, 1.0, 0.1, 1.0);
+    let trunk = stem(NO_PARENT, 0);
+    for _ in 0..2 {
+        // A limb of two pieces is one branch; the twig it bears half way is of a lower order and leaves it as it is.
+        let limb = stem(trunk, 1);
+        stem(limb, 2);
+        let end = stem(limb, 1);
+        (stem(end, 2), stem(end, 2));
+    }
+    stem(trunk, 1);
+    let shot = sketch.finish();
+    assert_eq!(strahler::branches(&shot, Some(1)), [7, 2, 1]);
+    assert_eq!(strahler::branches(&shot, None), [7, 2, 1]);
+    assert_eq!(strahler::branches(&shot, Some(0)), [0; 0]);
 }
 
 #[test]

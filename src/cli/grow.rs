@@ -98,6 +98,8 @@ struct Summary<'a> {
     widest_height_m: f32,
     drooping_share: f32,
     by_order: [u32; 5],
+    strahler_order: u32,
+    bifurcation_ratio: f32,
     organs: u32,
     internodes: u32,
     leaves: u32,
@@ -331,6 +333,8 @@ impl Grow {
                 widest_height_m: form.widest_height_m,
                 drooping_share: form.drooping_share,
                 by_order: form.by_order,
+                strahler_order: form.strahler_order,
+                bifurcation_ratio: form.bifurcation_ratio,
                 organs: form.organs,
                 internodes: form.internodes,
                 leaves: form.leaves,
@@ -374,13 +378,16 @@ impl Grow {
         ));
         say(format_args!(
             "Trunk {:.2} m thick at breast height, live crown from {:.1} m, widest at {:.1} m; {:.1} m2 of leaves, \
-             {:.0} % of side axes droop; internodes of order 0 to 4 and above: {}.",
+             {:.0} % of side axes droop; internodes of order 0 to 4 and above: {}; {} orders of Strahler, {:.1} \
+             branches to each of the next.",
             form.breast_diameter_m,
             form.live_crown_base_m,
             form.widest_height_m,
             form.leaf_area_m2,
             100.0 * form.drooping_share,
             form.by_order.map(grouped).join(" "),
+            form.strahler_order,
+            form.bifurcation_ratio,
         ));
         match likeness {
             Some(Likeness::Same { upto }) if upto == run.steps => say("The same tree, bit for bit."),

@@ -54,7 +54,7 @@ struct Tree {
 }
 
 /// Columns that have a mean and a spread, and how to read them.
-const COLUMNS: [(&str, fn(&Form) -> f64); 18] = [
+const COLUMNS: [(&str, fn(&Form) -> f64); 20] = [
     ("height_m", |f| f64::from(f.height_m)),
     ("crown_width_m", |f| f64::from(f.crown_width_m)),
     ("crown_base_m", |f| f64::from(f.crown_base_m)),
@@ -71,6 +71,8 @@ const COLUMNS: [(&str, fn(&Form) -> f64); 18] = [
     ("order_2", |f| f64::from(f.by_order[2])),
     ("order_3", |f| f64::from(f.by_order[3])),
     ("order_4_and_above", |f| f64::from(f.by_order[4])),
+    ("strahler_order", |f| f64::from(f.strahler_order)),
+    ("bifurcation_ratio", |f| f64::from(f.bifurcation_ratio)),
     ("leaf_area_m2", |f| f.leaf_area_m2),
     ("mean_light", |f| f.mean_light),
 ];

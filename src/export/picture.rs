@@ -257,7 +257,7 @@ impl Painter<'_> {
         light
     }
 
-    /// Sky light, or what the ground throws back, that reaches `from` out of direction `to`.
+    /// Sky light, or what ground and leaves throw back, that reaches `from` out of direction `to`.
     fn sky_from(&self, from: Vec3, to: Vec3) -> Vec3 {
         let (reach, light) = match self.scene.ground {
             Some(ground) if to.y < 0.0 => {
@@ -265,7 +265,22 @@ impl Painter<'_> {
             }
             _ => (f32::INFINITY, self.daylight.sky_light(self.scene, to)),
         };
-        if self.tracer.occluded(from, to, reach, &[]) { self.daylight.dim } else { light }
+        let hit = self.tracer.closest(from, to, reach, &[]);
+        match hit.seen {
+            Seen::Sky | Seen::Ground => light,
+            Seen::Leaf(i) => {
+                let leaf = self.palette.plant(self.scene.leaves[i as usize].plant).leaf;
+                let sun = self.daylight.key.map_or(Vec3::ZERO, |key| {
+                    let at = from + to * hit.t - to * 2e-4;
+                    match self.tracer.occluded(at, key.direction, f32::INFINITY, &[]) {
+                        true => Vec3::ZERO,
+                        false => key.color * hit.normal.dot(key.direction).abs(),
+                    }
+                });
+                self.daylight.dim + leaf * (self.daylight.in_crown + sun)
+            }
+            _ => self.daylight.dim,
+        }
     }
 
     /// Light that the air about burning lamps scatters along a ray as far as `reach`.

@@ -154,7 +154,7 @@ fn organ_row(snapshot: &Snapshot, i: usize) -> OrganRow {
 }
 
 /// Columns of `steps.csv`, in order: the fields of [`StepRecord`], stages in seconds.
-pub const STEP_COLUMNS: [&str; 34] = [
+pub const STEP_COLUMNS: [&str; 36] = [
     "step",
     "organs",
     "internodes",
@@ -176,6 +176,8 @@ pub const STEP_COLUMNS: [&str; 34] = [
     "order_3",
     "order_4_and_above",
     "max_order",
+    "strahler_order",
+    "bifurcation_ratio",
     "leaf_area_m2",
     "mean_light",
     "income",
@@ -216,7 +218,8 @@ pub fn write_steps(steps: &[StepRecord], writer: impl Write) -> Result<(), Expor
         let seconds = &step.seconds;
         let seconds = [seconds.generate, seconds.update, seconds.sense, seconds.finish];
         let foliage = [form.leaf_area_m2, form.mean_light];
-        table.serialize((counts, lengths, shape, form.by_order, form.max_order, foliage, energy, seconds))?;
+        let orders = (form.by_order, form.max_order, form.strahler_order, form.bifurcation_ratio);
+        table.serialize((counts, lengths, shape, orders, foliage, energy, seconds))?;
     }
     Ok(table.flush()?)
 }

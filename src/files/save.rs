@@ -20,7 +20,7 @@ use crate::limits;
 use crate::scenario::GardenSaveError;
 
 const MAGIC: [u8; 8] = *b"BURGEON\x1a";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 const HEADER: usize = 8 + 4 + 8 + 4;
 
 /// What is wrong with a save; nothing of it was used.

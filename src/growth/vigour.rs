@@ -72,7 +72,11 @@ pub fn shoot_cost(species: &Species, vigour: f32, most: f32, chance: f32) -> f32
         _ => (long.floor(), long.fract()),
     };
     let whole = if chance < more { least + 1.0 } else { least };
-    if whole > 0.0 { whole * internode_cost(species) } else { short_shoot_cost(species) }
+    match whole {
+        whole if whole > 0.0 => whole * internode_cost(species),
+        _ if species.vigour_short < 1.0 => short_shoot_cost(species),
+        _ => 0.0,
+    }
 }
 
 /// Passes in which the part of buds too weak to grow is shared again, at most.
@@ -227,6 +231,11 @@ mod tests {
         ] {
             let got = shoot_cost(&species, vigour, most, chance);
             assert_eq!(got, cost, "vigour {vigour}, at most {most}, chance {chance}");
+        }
+        // Without short shoots every shoot is long.
+        let species = Species { vigour_short: 1.0, ..Species::default() };
+        for (vigour, most, cost) in [(0.9, 9.0, 0.0), (1.0, 9.0, long(1.0)), (3.4, 0.9, 0.0)] {
+            assert_eq!(shoot_cost(&species, vigour, most, 0.9), cost, "vigour {vigour}, at most {most}");
         }
     }
 

@@ -3,7 +3,7 @@
 use bevy::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::{NO_PARENT, OrganState, Snapshot};
+use super::{NO_PARENT, OrganState, Snapshot, strahler};
 
 /// Size and parts of one plant, or of all plants together.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -42,6 +42,10 @@ pub struct Form {
     pub by_order: [u32; 5],
     /// Highest branch order of an internode.
     pub max_order: u32,
+    /// Order of Strahler of the whole plant: 1 of one stem, one more wherever two of the highest meet.
+    pub strahler_order: u32,
+    /// How many branches there are to each of the next order of Strahler; 0 without branches.
+    pub bifurcation_ratio: f32,
     /// Leaf area, one side, square metres.
     pub leaf_area_m2: f64,
     /// Mean light of leaves (0..1); 0 without leaves.
@@ -113,6 +117,9 @@ impl Form {
         if low.x <= high.x {
             form.crown_width_m = 0.5 * ((high.x - low.x) + (high.z - low.z));
         }
+        let branches = strahler::branches(snapshot, plant);
+        form.strahler_order = branches.len() as u32;
+        form.bifurcation_ratio = strahler::bifurcation_ratio(&branches);
         form.drooping_share = if side > 0.0 { drooping / side } else { 0.0 };
         if form.leaves > 0 {
             crown.sort_by(|a, b| a.0.y.total_cmp(&b.0.y));

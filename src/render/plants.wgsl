@@ -483,21 +483,23 @@ fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> Fragment
     // Twigs are smooth.
     let streak = bark_at(in.uv.x, in.uv.y * 2.3, 2.0).a;
     var rough = smoothstep(0.004, 0.05, radius) * plain;
-    let blotch = bark_at(in.uv.x, in.uv.y * 0.9, 1.0).a;
+    let blotch = bark_at(in.uv.x, in.uv.y * 1.8, 1.0).a;
     let flake = bark_at(in.uv.x, in.uv.y * 4.0, 2.0 * tiles).a;
     if pattern == SMOOTH || pattern == BANDED {
         rough *= 0.3;
     }
-    // How much of the marks shows: as `Bark::at` has it.
+    // How much of the marks shows: as `Bark::at` has it, by what this tile's noise comes to.
     var shows = 0.0;
     if pattern == PLATES {
         rough *= 0.7;
         shows = 0.8 * (1.0 - smoothstep(0.01, 0.05, abs(flake - 0.5)));
     }
     if pattern == BANDED {
-        // Level streaks, and at the foot of a stout trunk blotches that meet.
-        let foot = 0.16 * smoothstep(0.06, 0.16, radius);
-        shows = max(smoothstep(0.56, 0.64, streak), smoothstep(0.70 - foot, 0.76 - foot, blotch));
+        // Level streaks and dark spots; the foot of a stout trunk is furrowed.
+        let foot = smoothstep(0.07, 0.13, radius);
+        let furrow = foot * (1.0 - smoothstep(0.4, 0.66, bark.b));
+        shows = max(max(smoothstep(0.56, 0.64, streak), smoothstep(0.70, 0.76, blotch)), furrow);
+        rough *= 1.0 + 2.0 * foot;
     }
     if pattern == RINGED {
         let ring = abs(fract(in.uv.y / 0.09) - 0.5);

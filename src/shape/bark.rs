@@ -17,11 +17,14 @@ pub enum BarkPattern {
     Smooth,
     /// Plates between dark cracks: pine.
     Plates,
-    /// Short level streaks: birch.
+    /// Short level streaks, furrows at the foot of a stout trunk: birch.
     Banded,
     /// Level rings where leaves once stood: palm.
     Ringed,
 }
+
+/// Radii between which banded bark turns from smooth to furrowed, metres.
+const FOOT: [f32; 2] = [0.07, 0.13];
 
 /// Colours of the bark of a species, linear RGB.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,10 +82,11 @@ impl Bark {
             BarkPattern::Smooth => (0.0, 0.92 + 0.3 * crust),
             BarkPattern::Plates => (0.8 * (1.0 - smooth(0.12, 0.34, grain.plate())), 0.9 + 0.4 * crust),
             BarkPattern::Banded => {
-                // At the foot of a stout trunk blotches meet.
-                let foot = 0.16 * smooth(0.06, 0.16, radius);
-                let blotch = smooth(0.66 - foot, 0.74 - foot, grain.blotch());
-                (smooth(0.68, 0.78, grain.streak()).max(blotch), 0.94 + 0.2 * crust)
+                // The foot of a stout trunk is furrowed, and dark between what is left of its white.
+                let foot = smooth(FOOT[0], FOOT[1], radius);
+                let furrow = foot * (1.0 - smooth(0.4, 0.66, grain.ridge()));
+                let blotch = smooth(0.68, 0.74, grain.blotch());
+                (smooth(0.68, 0.78, grain.streak()).max(blotch).max(furrow), 0.94 + 0.2 * crust)
             }
             BarkPattern::Ringed => {
                 (0.55 * (1.0 - smooth(0.0, 0.22, (grain.ring() - 0.5).abs())), 0.9 + 0.4 * crust)

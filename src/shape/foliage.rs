@@ -228,15 +228,46 @@ mod tests {
         Foliage::of(species).blades(&pose, size, Lineage(lineage)).collect()
     }
 
+    const FORMS: [FoliageForm; 4] =
+        [FoliageForm::Tuft, FoliageForm::Spray, FoliageForm::Needles, FoliageForm::Frond];
+
     #[test]
     fn blades_together_have_the_area_of_the_leaf() {
-        let species = oak();
-        for size in [0.0, 0.3, 1.0] {
-            let area: f32 = blades(&species, Quat::IDENTITY, size, 7)
-                .iter()
-                .map(|b| b.midrib.length() * 2.0 * b.across.length() * species.leaf_outline.fill())
-                .sum();
-            assert!((area - size * species.leaf_area()).abs() < 1e-5, "{size} {area}");
+        for (foliage, leaf_cluster) in FORMS.into_iter().flat_map(|form| [(form, 1), (form, 12)]) {
+            let species = Species { foliage, leaf_cluster, ..oak() };
+            for size in [0.0, 0.3, 1.0] {
+                let blades = blades(&species, Quat::IDENTITY, size, 7);
+                assert_eq!(blades.len(), leaf_cluster as usize);
+                let area: f32 = blades
+                    .iter()
+                    .map(|b| b.midrib.length() * 2.0 * b.across.length() * species.leaf_outline.fill())
+                    .sum();
+                assert!((area - size * species.leaf_area()).abs() < 1e-5, "{foliage:?} {size} {area}");
+            }
+        }
+    }
+
+    #[test]
+    fn sprays_and_fronds_lie_in_two_rows_and_needles_stand_all_round() {
+        // A stalk along +X.
+        let level = Quat::from_rotation_z(-core::f32::consts::FRAC_PI_2);
+        for foliage in FORMS {
+            let all = blades(&Species { foliage, foliage_length_m: 0.3, ..oak() }, level, 1.0, 3);
+            let ways: Vec<Vec3> = all.iter().map(|blade| blade.midrib.normalize()).collect();
+            let ranked = ways.windows(2).all(|pair| pair[0].z * pair[1].z < 0.0);
+            let steepest = ways.iter().map(|way| way.y.abs()).fold(0.0, f32::max);
+            let reach = all.iter().map(|blade| blade.stalk.x - 1.0).fold(0.0, f32::max);
+            assert!((reach - 0.3).abs() < 1e-5, "{foliage:?}: blades along the stalk to its end, {reach} m");
+            match foliage {
+                FoliageForm::Spray | FoliageForm::Frond => {
+                    assert!(ranked && steepest < 0.3, "{foliage:?}: {ways:?}");
+                }
+                FoliageForm::Needles => {
+                    assert!(!ranked && steepest > 0.5, "{ways:?}");
+                    assert!(ways.iter().all(|way| way.x > 0.0), "slanting forward: {ways:?}");
+                }
+                FoliageForm::Tuft => assert!(!ranked && steepest > 0.2, "{ways:?}"),
+            }
         }
     }
 

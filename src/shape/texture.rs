@@ -101,7 +101,7 @@ impl Grain for TileGrain {
     }
 
     fn blotch(&self) -> f32 {
-        (2.0 * periodic(self.0, self.1, [2, 2], 25) + periodic(self.0, self.1, [4, 3], 26)) / 3.0
+        (2.0 * periodic(self.0, self.1, [4, 4], 25) + periodic(self.0, self.1, [8, 7], 26)) / 3.0
     }
 
     fn ring(&self) -> f32 {

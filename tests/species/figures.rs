@@ -22,6 +22,18 @@ fn around(share: f64) -> Option<(f64, f64)> {
     Some((share - 0.25, share + 0.25))
 }
 
+/// Branches to each of the next order of Strahler: 4.35 of an apple tree and 4.00 of a birch (Barker, Cumming & Horsfield
+/// 1973), the mean of both for other crowns that spread, to a third either way. Not asked of spruce and willow, whose
+/// leaf organs stand for their finest twigs, of bundles of rods (poplar, hazel), and of what hardly branches.
+fn branching(name: &str) -> Option<(f64, f64)> {
+    match name {
+        "apple" => third(4.35),
+        "silver_birch" => third(4.0),
+        "oak" | "scots_pine" | "japanese_maple" | "umbrella_acacia" | "beech" => third(4.2),
+        _ => None,
+    }
+}
+
 fn figures_at_thirty() -> Vec<Figures> {
     const RISES: Option<(f64, f64)> = Some((0.0, 0.1));
     const EITHER: Option<(f64, f64)> = Some((0.05, 0.5));
@@ -54,6 +66,7 @@ fn figures_at_thirty() -> Vec<Figures> {
             None,
             leaves,
             None,
+            branching(name),
         ];
         Figures { name, bands }
     })

@@ -10,7 +10,7 @@ use crate::common::measure::median;
 type Measure = (&'static str, fn(&Form) -> f64);
 
 /// What is measured, in the order of the ranges and figures below.
-const MEASURES: [Measure; 9] = [
+const MEASURES: [Measure; 10] = [
     ("height, m", |form| form.height_m.into()),
     ("crown width, m", |form| form.crown_width_m.into()),
     ("live crown base over height", |form| (form.live_crown_base_m / form.height_m).into()),
@@ -25,6 +25,7 @@ const MEASURES: [Measure; 9] = [
     ("share of internodes of order 2 and above", |form| {
         1.0 - f64::from(form.by_order[0] + form.by_order[1]) / f64::from(form.internodes)
     }),
+    ("branches to each of the next order of Strahler", |form| form.bifurcation_ratio.into()),
 ];
 
 /// What five seeds of a species measure at an age, each of [`MEASURES`].

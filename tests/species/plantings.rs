@@ -60,9 +60,18 @@ fn oaks_of_an_avenue_lean_from_the_house_and_stay_behind_those_across_the_road()
 }
 
 #[test]
-fn five_species_of_a_grove_live_side_by_side() {
-    let plants = leaves(&last(coarse(shipped("grove")), 1, 18));
-    let counts: Vec<usize> = plants.iter().map(Vec::len).collect();
-    println!("leaves: {counts:?}");
-    assert!(counts.len() == 5 && counts.iter().all(|leaves| *leaves > 100), "{counts:?}");
+fn five_species_of_a_grove_live_side_by_side_with_fewer_leaves_than_alone() {
+    let grove = coarse(shipped("grove"));
+    let alone = |k: usize| {
+        let mut one = grove.clone();
+        one.scenario.plants = vec![one.scenario.plants[k].clone()];
+        leaves(&last(one, 1, 18))[0].len()
+    };
+    let together: Vec<usize> = leaves(&last(grove.clone(), 1, 18)).iter().map(Vec::len).collect();
+    let alone: Vec<usize> = (0..together.len()).map(alone).collect();
+    println!("leaves together {together:?}, alone {alone:?}");
+    assert!(together.len() == 5 && together.iter().all(|leaves| *leaves > 100), "{together:?}");
+    let fewer = together.iter().zip(&alone).filter(|(together, alone)| together < alone).count();
+    assert!(fewer >= 4, "{together:?} {alone:?}");
+    assert!(together.iter().sum::<usize>() * 10 < alone.iter().sum::<usize>() * 9, "{together:?} {alone:?}");
 }

@@ -7,6 +7,9 @@ use super::noise::{rough, smooth};
 use crate::environment::Scene;
 use crate::shape::noise::srgb;
 
+/// Share of the sky's light that a leaf of an average place in a crown gets, on both sides together.
+const IN_CROWN: f32 = 0.8;
+
 /// The picture's one hard light: the sun, or a soft light that stands in for it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Key {
@@ -24,8 +27,10 @@ pub(super) struct Daylight {
     pub(super) key: Option<Key>,
     /// Light that the ground throws back up.
     pub(super) from_ground: Vec3,
-    /// Light left where no sky is seen: what leaves and walls pass on.
+    /// Light left where no sky is seen.
     pub(super) dim: Vec3,
+    /// Sky light on a leaf of an average place in a crown, on both sides together.
+    pub(super) in_crown: Vec3,
     zenith: Vec3,
     middle: Vec3,
     horizon: Vec3,
@@ -76,6 +81,7 @@ impl Daylight {
             key,
             from_ground: ground * (ambient * 0.8 + lit * 0.7),
             dim: ambient * 0.10,
+            in_crown: ambient * IN_CROWN,
             zenith: shade(0),
             middle: shade(1),
             horizon: shade(2),

@@ -122,7 +122,7 @@ impl Grain for SolidGrain {
     }
 
     fn blotch(&self) -> f32 {
-        rough(self.point * Vec3::new(5.0, 3.0, 5.0), 2)
+        rough(self.point * Vec3::new(10.0, 8.0, 10.0), 2)
     }
 
     fn ring(&self) -> f32 {
