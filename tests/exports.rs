@@ -394,13 +394,15 @@ fn orders_of_strahler_rise_where_two_of_the_highest_meet() {
         let limb = stem(trunk, 1);
         stem(limb, 2);
         let end = stem(limb, 1);
-        (stem(end, 2), stem(end, 2));
+        for _ in 0..2 {
+            stem(end, 2);
+        }
     }
     stem(trunk, 1);
     let shot = sketch.finish();
     assert_eq!(strahler::branches(&shot, Some(1)), [7, 2, 1]);
     assert_eq!(strahler::branches(&shot, None), [7, 2, 1]);
-    assert_eq!(strahler::branches(&shot, Some(0)), [0; 0]);
+    assert!(strahler::branches(&shot, Some(0)).is_empty());
 }
 
 #[test]
